@@ -53,7 +53,7 @@ impl ZoneBreach {
         let name = self.zone.as_deref().unwrap_or_default();
         match self.rule {
             Rule::NotFinite => "not a usable number".to_owned(),
-            Rule::Closed => format!("keep-in zone '{name}' is not valid then"),
+            Rule::Closed => format!("keep-in zone '{name}' is not valid at that time"),
             Rule::Surfacing if self.zone.is_none() => "no keep-in zone allows surfacing".to_owned(),
             Rule::Surfacing => format!("outside keep-in zone '{name}', which allows surfacing"),
             Rule::DepthMin => format!("shallower than keep-in zone '{name}' allows"),

@@ -64,7 +64,7 @@ pub enum FenceError {
         expected: String,
     },
     /// Two features with one name.
-    #[error("feature {second}: `name` is '{name}', as that of feature {first}, expected unlike names")]
+    #[error("feature {second}: `name` is '{name}', the same as that of feature {first}, expected different names")]
     DuplicateName {
         /// The name.
         name: String,
@@ -131,7 +131,7 @@ pub enum FenceError {
         found: usize,
     },
     /// A ring whose vertices lie on one line.
-    #[error("{place}: zero area, all vertices lie on one line, expected a ring that encloses something")]
+    #[error("{place}: zero area, all vertices lie on one line, expected a ring that encloses an area")]
     ZeroArea {
         /// The ring.
         place: Place,
@@ -169,7 +169,7 @@ pub enum FenceError {
         longitude: f64,
     },
     /// A hole that is not inside its outer ring.
-    #[error("{place}: hole lies outside of its polygon, expected it inside the outer ring")]
+    #[error("{place}: hole lies outside its polygon, expected a hole inside the outer ring")]
     HoleOutside {
         /// The hole.
         place: Place,
@@ -193,7 +193,7 @@ pub enum FenceError {
         east: f64,
     },
     /// A fence that is too wide for one plane.
-    #[error("{place}: farthest out of a fence {across_km:.1} km across, expected at most {limit_km} km")]
+    #[error("{place}: farthest out in a fence {across_km:.1} km across, expected at most {limit_km} km")]
     TooWide {
         /// The vertex or feature that is farthest from the middle of all.
         place: String,
@@ -204,7 +204,7 @@ pub enum FenceError {
     },
     /// A keep-in zone that lies wholly inside a keep-out zone which counts at all its depths and times: two zones that
     /// were mistaken for each other, or one that was drawn too large.
-    #[error("{place}: lies wholly inside keep-out zone '{keep_out}', expected a part that can be reached")]
+    #[error("{place}: lies wholly inside keep-out zone '{keep_out}', expected a part that the vehicle can reach")]
     Excluded {
         /// The outer ring of the keep-in zone's polygon.
         place: Place,

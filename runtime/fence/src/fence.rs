@@ -151,7 +151,7 @@ impl Fence {
         span: Option<Span>,
     ) -> Result<Clearance, Breach> {
         if depths_m.is_some_and(|depths_m| !depths_m.iter().all(|metres| metres.abs() <= LIMIT_M)) {
-            return Err(self.map.unusable("depth that may be passed"));
+            return Err(self.map.unusable("depth that the vehicle may pass"));
         }
         if let Some(time) = unusable_span(span) {
             return Err(self.map.unusable(time));

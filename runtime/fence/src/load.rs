@@ -301,7 +301,7 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
     if !bounds.contains(longitude, latitude) {
         (longitude, latitude) = (middle_east, middle_north);
     }
-    let origin = Position::from_deg(latitude, longitude).expect("the middle of legal positions is legal");
+    let origin = Position::from_deg(latitude, longitude).expect("the middle of valid positions is valid");
     Ok(LocalFrame::new(origin))
 }
 

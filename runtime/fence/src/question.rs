@@ -116,7 +116,7 @@ pub(crate) fn unusable_vertical(vertical: &VerticalExtent) -> Option<&'static st
         () if !finite(depth_min_m) => Some("depth_min_m"),
         () if !finite(depth_max_m) => Some("depth_max_m"),
         () if !finite(altitude_min_m) => Some("altitude_min_m"),
-        () if depth_min_m > depth_max_m => Some("depth_max_m under depth_min_m"),
+        () if depth_min_m > depth_max_m => Some("depth_max_m less than depth_min_m"),
         () => None,
     }
 }

@@ -82,7 +82,7 @@ impl<'de> Visitor<'de> for StrictVisitor {
         while let Some(key) = entries.next_key::<String>()? {
             if map.contains_key(&key) {
                 return Err(A::Error::custom(format_args!(
-                    "key `{key}` is given twice, expected it once"
+                    "key `{key}` is given twice, expected it only once"
                 )));
             }
             let Strict(value) = entries.next_value()?;

@@ -86,7 +86,7 @@ fn find<'a>(parent: &'a Element, placemarks: &mut Vec<&'a Element>) -> Result<()
         "TimeSpan",
         "TimeStamp",
     ];
-    let expected = "<Placemark>, <Document>, <Folder> or what KML 2.3 has beside them";
+    let expected = "<Placemark>, <Document>, <Folder> or another element that KML 2.3 allows here";
     refuse_unknown(parent, &searched, &[FEATURE, BESIDE], expected)?;
     for child in &parent.children {
         match child.name.as_str() {
@@ -142,7 +142,11 @@ fn one<'a>(parent: &'a Element, name: &str) -> Result<Option<&'a Element>, Fence
     let mut named = parent.children.iter().filter(|child| child.name == name);
     let first = named.next();
     match named.next() {
-        Some(another) => Err(at(another, format!("another {}", inside(another, parent)), "it once")),
+        Some(another) => Err(at(
+            another,
+            format!("another {}", inside(another, parent)),
+            "it only once",
+        )),
         None => Ok(first),
     }
 }
@@ -164,7 +168,7 @@ fn inside(child: &Element, parent: &Element) -> String {
 }
 
 fn zone(placemark: &Element, terms: &Terms) -> Result<RawZone, FenceError> {
-    let expected = "a geometry, <ExtendedData>, <TimeSpan> or what KML 2.3 has beside them";
+    let expected = "a geometry, <ExtendedData>, <TimeSpan> or another element that KML 2.3 allows here";
     let known = [GEOMETRIES, &["ExtendedData", "TimeSpan", "TimeStamp"]].concat();
     refuse_unknown(placemark, &known, &[FEATURE], expected)?;
     let name = one(placemark, "name")?.map(text).transpose()?;
@@ -202,7 +206,7 @@ fn zone(placemark: &Element, terms: &Terms) -> Result<RawZone, FenceError> {
                 return Err(form(
                     label,
                     format!("{} positions", line.len()),
-                    "the one position of a Point",
+                    "exactly one position for a Point",
                 ));
             };
             return RawZone::circle(label, properties, centre, round_m);
@@ -250,7 +254,7 @@ fn data(placemark: &Element, properties: &mut Map<String, Value>, label: &str) -
             Some(_) => Err(form(
                 label.to_owned(),
                 format!("`{}` given twice", shortened(key)),
-                "it once",
+                "it only once",
             )),
         }
     };
@@ -310,7 +314,7 @@ fn value(data: &Element) -> Result<&str, FenceError> {
 }
 
 fn polygon(element: &Element, number: Option<usize>, label: &str) -> Result<RawPolygon, FenceError> {
-    let expected = "<outerBoundaryIs>, <innerBoundaryIs> or how it is drawn";
+    let expected = "<outerBoundaryIs>, <innerBoundaryIs> or a drawing element such as <extrude>";
     refuse_unknown(element, &["outerBoundaryIs", "innerBoundaryIs"], &[DRAWN], expected)?;
     let (mut outer, mut holes) = (None, Vec::new());
     for child in &element.children {
@@ -358,7 +362,12 @@ fn polygon(element: &Element, number: Option<usize>, label: &str) -> Result<RawP
 
 /// Reads positions: longitude, latitude and optionally a height, separated by commas, with blanks between positions.
 fn coordinates(element: &Element, place: &str) -> Result<Vec<Position>, FenceError> {
-    refuse_unknown(element, &["coordinates"], &[DRAWN], "<coordinates> or how it is drawn")?;
+    refuse_unknown(
+        element,
+        &["coordinates"],
+        &[DRAWN],
+        "<coordinates> or a drawing element such as <extrude>",
+    )?;
     let text = one(element, "coordinates")?.map_or(Ok(""), text)?;
     let numbered = text.split_ascii_whitespace().enumerate();
     numbered

@@ -202,7 +202,7 @@ impl Source<'_> {
         let Some(value) = self.get(key) else { return Ok(None) };
         match value.as_str().and_then(window::utc) {
             Some(time) => Ok(Some(time)),
-            None => Err(self.bad(key, value, "a time of RFC 3339, as \"2026-05-01T08:00:00Z\"")),
+            None => Err(self.bad(key, value, "a time of RFC 3339, such as \"2026-05-01T08:00:00Z\"")),
         }
     }
 

@@ -72,8 +72,8 @@ pub(super) fn corridor(
     if points.len() < 2 {
         return Err(FenceError::Form {
             place: label.to_owned(),
-            found: "line of no length".to_owned(),
-            expected: "a LineString of at least two positions apart from each other",
+            found: "line without length".to_owned(),
+            expected: "a LineString of at least two distinct positions",
         });
     }
     let pen = Pen::new(stricter_m(half_width_m, keep_in), keep_in);

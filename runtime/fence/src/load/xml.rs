@@ -53,14 +53,14 @@ pub(super) fn parse(text: &str) -> Result<Element, FenceError> {
                     return bad("a second root element".to_owned());
                 }
                 if open.len() == DEPTH_MAX {
-                    return bad(format!("elements over {DEPTH_MAX} deep"));
+                    return bad(format!("elements nested over {DEPTH_MAX} deep"));
                 }
                 open.push(element(&start, line)?);
             }
             Event::End(_) => {
                 // The reader has checked that it matches.
                 let Some(closed) = open.pop() else {
-                    return bad("an end without a beginning".to_owned());
+                    return bad("an end tag without a start tag".to_owned());
                 };
                 match open.last_mut() {
                     Some(parent) => parent.children.push(closed),
@@ -119,7 +119,7 @@ fn write(open: &mut [Element], text: &str, line: usize) -> Result<(), FenceError
             let blank = &text[..text.len() - text.trim_start().len()];
             return Err(FenceError::Xml {
                 line: line + blank.matches('\n').count(),
-                message: format!("text `{}` outside of the root element", shortened(word)),
+                message: format!("text `{}` outside the root element", shortened(word)),
             });
         }
     }

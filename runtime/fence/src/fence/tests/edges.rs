@@ -45,7 +45,7 @@ fn the_edge_itself_is_outside_even_without_margin_and_radius() {
 }
 
 #[test]
-fn a_breach_tells_how_far_the_worst_point_is_out() {
+fn a_breach_reports_how_far_out_the_worst_point_is() {
     let fence = box_fence(10.0);
     let shape = leg((0.0, 0.0), (130.0, 0.0));
     assert_eq!(refused(&fence, shape, 2.0), (Rule::KeepIn, 42.0));
@@ -61,7 +61,7 @@ fn a_breach_tells_how_far_the_worst_point_is_out() {
 }
 
 #[test]
-fn a_leg_of_no_length_is_a_point() {
+fn a_leg_without_length_is_a_point() {
     let fence = box_fence(10.0);
     for nearly in [0.0, 1e-300, 1e-12] {
         assert!((spare(&fence, leg((50.0, 0.0), (50.0 + nearly, 0.0)), 1.0) - 39.0).abs() < 1e-9);
@@ -126,7 +126,7 @@ fn a_leg_that_crosses_an_edge_almost_along_it_is_refused() {
     let segment = |[a, b]: [(f64, f64); 2]| Segment::new(Vector::new(a.0, a.1), Vector::new(b.0, b.1));
     let here = Pose::IDENTITY;
     let theirs = query::distance(&here, &segment(edge), &here, &segment(ends)).unwrap();
-    assert!(theirs.distance > 1e-4, "parry has mended it: {theirs:?}");
+    assert!(theirs.distance > 1e-4, "parry has fixed this query: {theirs:?}");
 
     let ring = vec![edge[0], edge[1], (0.0, -20000.0), (0.0, 0.0)];
     let sea = fence(vec![zone("sea", KEEP_IN, 0.0, &[ring])]);
@@ -217,7 +217,7 @@ fn zones_are_not_joined() {
 }
 
 #[test]
-fn of_several_zones_that_hold_the_roomier_one_is_told() {
+fn the_clearance_is_that_of_the_zone_with_the_most_room() {
     let fence = fence(vec![
         zone("small", KEEP_IN, 0.0, &[rectangle(-10.0, -10.0, 10.0, 10.0)]),
         zone("large", KEEP_IN, 5.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
@@ -228,7 +228,7 @@ fn of_several_zones_that_hold_the_roomier_one_is_told() {
 }
 
 #[test]
-fn depth_and_altitude_are_those_of_the_zone_that_holds() {
+fn depth_and_altitude_limits_are_those_of_the_zone_that_contains_the_sweep() {
     let deep = Kind::KeepIn {
         depth: Band {
             min_m: 30.0,
@@ -263,7 +263,7 @@ fn depth_and_altitude_are_those_of_the_zone_that_holds() {
 }
 
 #[test]
-fn a_keep_out_zone_counts_at_its_depths_only_and_its_ends_belong_to_it() {
+fn a_keep_out_zone_counts_only_at_its_depths_including_both_ends() {
     let band = Kind::KeepOut {
         depth: Some(Band {
             min_m: 20.0,
@@ -302,7 +302,7 @@ fn containment_ignores_margins() {
 }
 
 #[test]
-fn what_is_no_number_never_passes() {
+fn unusable_numbers_never_pass() {
     let fence = box_fence(10.0);
     let good = at(0.0, 0.0);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e10, f64::MAX] {
@@ -354,7 +354,10 @@ fn what_is_no_number_never_passes() {
     let breach = fence
         .check(&Sweep::new(Shape::point(good), 1.0), &vertical)
         .unwrap_err();
-    assert_eq!(breach.to_string(), "not a usable number: depth_max_m under depth_min_m");
+    assert_eq!(
+        breach.to_string(),
+        "not a usable number: depth_max_m less than depth_min_m"
+    );
 }
 
 #[test]
@@ -405,7 +408,7 @@ fn edges_on_one_line_do_not_confuse_the_side() {
 }
 
 #[test]
-fn points_beyond_a_sharp_corner_are_told_from_those_within() {
+fn points_beyond_a_sharp_corner_are_distinguished_from_those_inside() {
     // Points around the tip of a needle: their nearest place is the tip, and they lie on the left of one of its edges.
     for angle in [3e-4, 1e-3, 0.1, 1.0] {
         let needle = vec![(0.0, 0.0), (1000.0, -1000.0 * angle), (1000.0, 1000.0 * angle)];
@@ -426,7 +429,7 @@ fn points_beyond_a_sharp_corner_are_told_from_those_within() {
 }
 
 #[test]
-fn a_breach_prints_alone() {
+fn a_breach_prints_by_itself() {
     let text = |fence: &Fence, shape| check(fence, shape, 2.0).unwrap_err().to_string();
     let plain = box_fence(10.0);
     assert_eq!(

@@ -345,7 +345,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
     #[test]
-    fn legs_are_judged_as_a_search_along_them_judges(case in case(), ends in (whereabouts(), whereabouts()), radius_m in radius()) {
+    fn legs_are_judged_like_a_search_along_them(case in case(), ends in (whereabouts(), whereabouts()), radius_m in radius()) {
         let fence = case.fence();
         let (from, to) = (near(&case, ends.0), near(&case, ends.1));
         let expected_m = verdict(&case, radius_m, |plan| {
@@ -363,7 +363,7 @@ proptest! {
     }
 
     #[test]
-    fn what_a_leg_sweeps_holds_point_by_point(case in case(), ends in (whereabouts(), whereabouts()), radius_m in radius()) {
+    fn every_point_of_a_leg_that_passes_passes(case in case(), ends in (whereabouts(), whereabouts()), radius_m in radius()) {
         let fence = case.fence();
         let (from, to) = (near(&case, ends.0), near(&case, ends.1));
         let points = (0..=50).map(|step| from + (to - from) * (f64::from(step) / 50.0));
@@ -377,7 +377,7 @@ proptest! {
 }
 
 #[test]
-fn a_fence_of_ten_thousand_vertices_is_judged_as_a_scan_judges_it() {
+fn a_fence_of_ten_thousand_vertices_is_judged_like_a_scan() {
     let radii: Vec<_> = (0..10_000_u32)
         .map(|index| {
             // A coast: waves of several lengths, and a fixed scatter.
@@ -415,7 +415,10 @@ fn a_fence_of_ten_thousand_vertices_is_judged_as_a_scan_judges_it() {
         held += usize::from(answer.is_ok());
         agree(&answer, expected_m).unwrap();
     }
-    assert!((50..190).contains(&held), "{held} of 200 held: the legs prove little");
+    assert!(
+        (50..190).contains(&held),
+        "{held} of 200 legs pass: the test proves little"
+    );
 }
 
 /// A square with a small star in each cell of a grid, in an order that differs from that on the plane.
@@ -464,7 +467,7 @@ proptest! {
 
 proptest! {
     #[test]
-    fn the_solids_of_a_convex_hull_are_all_of_it(
+    fn the_solids_of_a_convex_hull_cover_all_of_it(
         points in prop::collection::vec((-500.0..500.0f64, -500.0..500.0f64), 0..=12),
         flat in any::<bool>(),
     ) {

@@ -40,7 +40,7 @@ fn judged(fence: &Fence, from: u64, until: u64) -> Result<Clearance, Breach> {
 }
 
 #[test]
-fn a_keep_in_zone_holds_only_what_its_window_covers() {
+fn a_keep_in_zone_must_be_valid_for_the_whole_time() {
     let fence = fence(vec![windowed(keep_in(), Some(1000), Some(2000))]);
     for (from, until, holds) in [
         (1000, 2000, true),
@@ -71,7 +71,7 @@ fn a_keep_in_zone_holds_only_what_its_window_covers() {
 }
 
 #[test]
-fn a_keep_out_zone_counts_where_its_window_and_the_time_share_an_instant() {
+fn a_keep_out_zone_counts_if_its_window_and_the_time_share_an_instant() {
     let fence = fence(vec![keep_in(), windowed(keep_out(), Some(1000), Some(2000))]);
     for (from, until, holds) in [
         (0, 999, true),
@@ -101,7 +101,7 @@ fn a_side_without_a_time_is_open() {
 }
 
 #[test]
-fn an_unknown_time_is_the_worst_one() {
+fn an_unknown_time_counts_as_the_worst_one() {
     let windowed_keep_out = fence(vec![keep_in(), windowed(keep_out(), Some(1000), Some(2000))]);
     assert_eq!(
         refused(&windowed_keep_out, leg((30.0, 50.0), (70.0, 50.0)), 1.0).0,
@@ -121,7 +121,7 @@ fn an_unknown_time_is_the_worst_one() {
 }
 
 #[test]
-fn a_closed_zone_is_told_where_it_alone_is_in_the_way() {
+fn a_closed_zone_is_named_if_only_its_window_is_breached() {
     let zones = || {
         let far = zone("far", KEEP_IN, 0.0, &[rectangle(5000.0, 0.0, 5100.0, 100.0)]);
         fence(vec![windowed(keep_in(), Some(1_777_622_400), None), far])
@@ -142,7 +142,7 @@ fn a_closed_zone_is_told_where_it_alone_is_in_the_way() {
 }
 
 #[test]
-fn surfacing_keeps_to_the_windows_too() {
+fn surfacing_respects_the_windows_too() {
     let kind = Kind::KeepIn {
         depth: Band {
             min_m: 2.0,

@@ -77,7 +77,10 @@ impl fmt::Display for ZoneBreach {
             }
             Rule::Closed => {
                 let valid = self.valid.unwrap_or_default();
-                write!(f, "keep-in zone '{name}' is valid {valid} only, asked for ")?;
+                write!(
+                    f,
+                    "keep-in zone '{name}' is valid only {valid}, and the request is for "
+                )?;
                 return match self.asked {
                     Some(span) => write!(f, "{span}"),
                     None => write!(f, "an unknown time"),

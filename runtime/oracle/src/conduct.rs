@@ -176,15 +176,15 @@ impl Conduct {
         let outlived = truth.activity == Activity::Modified && over(last, LAPSE);
         self.outlived
             .tell(outlived, findings, at, Rule::ModifyOutlives, || match last {
-                Some(last) => format!("the vehicle was still modified, although the last BPRMB dates from {last}"),
-                None => "the vehicle was modified without any BPRMB".to_owned(),
+                Some(last) => format!("a modify was still active, although the last BPRMB dates from {last}"),
+                None => "a modify was active without any BPRMB".to_owned(),
             });
         let last = context.delivery.last_station();
         let outlived = truth.activity == Activity::Suspended && over(last, STATION_LAPSE);
         self.station_outlived
             .tell(outlived, findings, at, Rule::StationOutlives, || match last {
-                Some(last) => format!("the vehicle was still suspended, although the last refresh dates from {last}"),
-                None => "the vehicle was suspended without any BPSUS".to_owned(),
+                Some(last) => format!("a suspension was still active, although the last refresh dates from {last}"),
+                None => "a suspension was active without any BPSUS".to_owned(),
             });
     }
 

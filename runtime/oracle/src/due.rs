@@ -13,7 +13,7 @@ pub(crate) struct Due {
 
 impl Due {
     /// The earlier one.
-    #[expect(clippy::unnecessary_wraps, reason = "it takes the place of what it was given")]
+    #[expect(clippy::unnecessary_wraps, reason = "callers assign the result to an `Option`")]
     pub(crate) fn first(due: Option<Self>, other: Self) -> Option<Self> {
         Some(due.filter(|due| due.by <= other.by).unwrap_or(other))
     }

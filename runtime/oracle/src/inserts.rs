@@ -182,7 +182,7 @@ impl Inserts {
         {
             findings.add(at, Rule::InsertInDoubt, || {
                 format!(
-                    "insert {identifier} was sent while the fate of insert {doubt} is unknown since the link was lost"
+                    "insert {identifier} was sent although the fate of insert {doubt}, sent before a link loss, is unknown"
                 )
             });
         }

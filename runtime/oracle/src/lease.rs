@@ -71,7 +71,9 @@ impl Lease {
             && !core::mem::replace(&mut self.unanswered_told, true)
         {
             findings.add(now, Rule::ModifyUnanswered, || {
-                format!("the lease continues although the vehicle has answered no BPRMB from the one at {since} on")
+                format!(
+                    "the lease continues although the vehicle has not answered the BPRMB of {since} or any later one"
+                )
             });
         }
         let Some(last) = self.last_modify else { return };

@@ -130,7 +130,7 @@ fn a_closed_zone_is_named_if_only_its_window_is_breached() {
     let breach = judged(&zones(), 1_777_622_399, 1_777_622_460).unwrap_err();
     assert_eq!(
         breach.to_string(),
-        "keep-in zone 'range' is valid from 2026-05-01T08:00:00Z only, asked for 2026-05-01T07:59:59Z to 2026-05-01T08:01:00Z"
+        "keep-in zone 'range' is valid only from 2026-05-01T08:00:00Z, and the request is for 2026-05-01T07:59:59Z to 2026-05-01T08:01:00Z"
     );
     // Inside neither, the open zone is named, because a request can be moved towards it.
     let outside = Sweep::new(Shape::point(at(4000.0, 50.0)), 1.0);

@@ -17,7 +17,7 @@ use crate::zone::Kind;
 const CONSEQUENCE: Duration = Duration::from_secs(15);
 /// And for so long at most while it is on its way back to its plan.
 const WAY_BACK: Duration = Duration::from_secs(300);
-/// How often the position in which the vehicle believes is compared with the margins.
+/// How often the vehicle's estimate of its position is compared with the margins.
 const MARGIN_EVERY: Duration = Duration::from_secs(1);
 /// How much two frames, the decimals of the sentences and a moment of noise can take from a margin, metres.
 const MARGIN_SLACK_M: f64 = 1.0;
@@ -29,7 +29,7 @@ const CANCEL_CONSEQUENCE: Duration = Duration::from_secs(60);
 const LAPSE: Duration = Duration::from_millis(5100);
 /// When the vehicle must have resumed its suspended mission (SPI 8.1), and 100 ms.
 const STATION_LAPSE: Duration = Duration::from_millis(2100);
-/// A vehicle that has believed that it was elsewhere returns to where it should be at least this fast, m/s.
+/// A vehicle whose estimate was wrong returns to where it should be at least this fast, m/s.
 const CORRECTION_MPS: f64 = 0.5;
 
 /// Judges what the vehicle truly did.
@@ -43,11 +43,10 @@ pub(crate) struct Conduct {
     /// again.
     cancelled: Option<Moment>,
     survey: Survey,
-    /// How far the vehicle is from where it believes that it is, metres.
+    /// How far the vehicle is from its estimated position, metres.
     error_m: f64,
     depth_error_m: f64,
-    /// How far the vehicle may be from where it should be, because it believes or has believed that it is elsewhere,
-    /// metres.
+    /// How far the vehicle may be from where it should be, because its estimate is or was wrong, metres.
     astray_m: f64,
     depth_astray_m: f64,
     outside: Excursion,
@@ -101,7 +100,7 @@ impl Conduct {
         self.is_back = true;
     }
 
-    /// Sets how far the vehicle is from where it believes that it is, and from its depth, metres.
+    /// Sets how far the vehicle is from its estimated position and depth, metres.
     pub(crate) fn believed(&mut self, error_m: f64, depth_error_m: f64) {
         (self.error_m, self.depth_error_m) = (error_m, depth_error_m);
     }
@@ -247,12 +246,12 @@ impl Conduct {
         });
     }
 
-    /// Judges the position in which the vehicle believes while it flies an insert. A correction of navigation moves it
-    /// at once, by no more than what was wrong before, which is the error against the truth.
+    /// Judges the vehicle's estimate of its position while it flies an insert. A correction of navigation moves the
+    /// estimate at once, by no more than its error against the truth.
     fn judge_margin(&mut self, at: Moment, context: &Context<'_>, findings: &mut Findings) {
         let Some(fix) = context.believed else { return };
         let recent = |judged: Moment| at.since(judged) < MARGIN_EVERY;
-        // The true position is no further from the believed one than the error.
+        // The true position is no further from the estimate than the error.
         if self.margin_judged.is_some_and(recent)
             || self.survey.spare_m() > context.area.margin_max_m() + self.error_m && !self.outside.0
         {

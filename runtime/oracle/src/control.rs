@@ -66,12 +66,12 @@ impl Control {
         self.granted.is_some()
     }
 
-    /// Since when we do not have control; `None` if we have it or nobody knows.
+    /// Since when we do not have control; `None` if we have it or the oracle does not know.
     pub(crate) fn denied_since(&self) -> Option<Moment> {
         (self.granted == Some(false)).then_some(self.since)
     }
 
-    /// Since when we have control; `None` if we do not have it or nobody knows.
+    /// Since when we have control; `None` if we do not have it or the oracle does not know.
     pub(crate) fn held_since(&self) -> Option<Moment> {
         self.is_granted().then_some(self.since)
     }

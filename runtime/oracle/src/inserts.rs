@@ -367,8 +367,8 @@ impl Inserts {
         }
     }
 
-    /// The vehicle truly flies an insert. This counts only if the vehicle has reported that it accepted the insert;
-    /// otherwise nobody could know.
+    /// The vehicle truly flies an insert. This counts only if the vehicle has reported that it accepted the insert,
+    /// because otherwise the runtime cannot know.
     pub(crate) fn is_flown(&mut self, at: Moment, identifier: u32) {
         if let Some(insert) = self.known.get_mut(&identifier)
             && matches!(insert.state, State::Accepted(_))

@@ -21,7 +21,7 @@
 //! | requirement | rules |
 //! |---|---|
 //! | 001 control | `no-control` |
-//! | 002 fence | `request-fence`, `request-vertical`, `request-speed`, `request-surfacing`, `request-box`, `bottom-unknown`, `modify-fence`, `plan-unknown`, `begin-unheard`; by the position that the vehicle believes in `insert-margin`; by truth `truth-fence`, `truth-depth`, `truth-grounded` |
+//! | 002 fence | `request-fence`, `request-vertical`, `request-speed`, `request-surfacing`, `request-box`, `bottom-unknown`, `modify-fence`, `plan-unknown`, `begin-unheard`; by the vehicle's own estimate of its position `insert-margin`; by truth `truth-fence`, `truth-depth`, `truth-grounded` |
 //! | 003 modifies live and end | `modify-gap`, `modify-abandoned`, `modify-too-fast`, `modify-inherits`, `modify-unanswered`, `lease-outlives`, `lease-after-stop` |
 //! | 004 each refresh | `refresh-fence`, `modify-margin` |
 //! | 005 station keeping | `station-gap`, `station-dead` |

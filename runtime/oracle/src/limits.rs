@@ -51,7 +51,7 @@ pub struct Limits {
     /// was lost.
     pub truth_told: bool,
     /// Whether the operator's policies may send what no plugin can: aborts, kills, cancels without an identifier, and
-    /// sentences that move the position in which the vehicle believes.
+    /// sentences that move the vehicle's estimate of its position.
     pub operator_commands: bool,
 }
 

@@ -310,9 +310,8 @@ impl Oracle {
         self.delivery.deaf(Moment::from_nanos(at_ns), deaf);
     }
 
-    /// Sets how far the vehicle is from where it believes that it is, and from the depth in which it believes, metres.
-    /// No payload can know what the vehicle's sensors have wrong. Call this before [`Oracle::truth`]; without a call
-    /// both errors are zero.
+    /// Sets how far the vehicle is from its own estimate of its position and depth, metres. No payload can know what
+    /// the vehicle's sensors have wrong. Call this before [`Oracle::truth`]; without a call both errors are zero.
     pub fn believed(&mut self, error_m: f64, depth_error_m: f64) {
         self.conduct.believed(error_m, depth_error_m);
     }

@@ -57,7 +57,7 @@ rules! {
     ModifyFence = "modify-fence", Some(2), Heard;
     /// A refresh of a modify that certainly leads out of the fence.
     RefreshFence = "refresh-fence", Some(4), Heard;
-    /// A modify, or its refresh, while the vehicle believes that it is in a zone's margin, or if it certainly leads
+    /// A modify, or its refresh, while the vehicle estimates that it is in a zone's margin, or if it certainly leads
     /// into one.
     ///
     /// The runtime promises to keep the margin, and more, from every reported position: the sweep that it judges starts
@@ -65,12 +65,12 @@ rules! {
     /// link reports. The true position may be in the margin, because the margin exists for errors of navigation and
     /// tracking: `truth-fence` judges by the edges without the margin.
     ModifyMargin = "modify-margin", Some(4), Heard;
-    /// While the vehicle flies an insert, it believes that it is in a zone's margin.
+    /// While the vehicle flies an insert, its estimated position is in a zone's margin.
     ///
     /// The runtime judges a line, and the ways to it and on from it, with the margin, and widens them by the errors of
-    /// tracking and navigation. So every position that the vehicle believes in while it flies them keeps the margin.
-    /// The only excuse is a correction of navigation, which moves the believed position at once and which nobody can
-    /// know in advance.
+    /// tracking and navigation. So every position that the vehicle estimates while it flies them keeps the margin. The
+    /// only excuse is a correction of navigation, which moves the estimate at once and which nobody can know in
+    /// advance.
     InsertMargin = "insert-margin", Some(2), Truth;
     /// An insert although the vehicle has reported no part of its plan to this process.
     PlanUnknown = "plan-unknown", Some(2), Heard;
@@ -138,7 +138,7 @@ rules! {
     InterruptOfInterrupt = "interrupt-of-interrupt", Some(10), Heard;
     /// A command that only an operator's policy may send.
     OperatorOnly = "operator-only", Some(12), Sent;
-    /// A sentence that moves the position in which the vehicle believes, or that starts missions.
+    /// A sentence that moves the vehicle's estimate of its position, or that starts missions.
     MovesTruth = "moves-truth", Some(21), Sent;
     /// Too many inserts in the run.
     InsertsTotal = "inserts-total", Some(19), Heard;

@@ -265,7 +265,7 @@ impl Conduct {
         let zone = context.area.margin_broken(&plane, [0.0, 0.0], &depths_m, slack_m);
         self.margin.tell(zone.is_some(), findings, at, Rule::InsertMargin, || {
             format!(
-                "the vehicle believes that it is at {:.6} {:.6}, {:.1} m deep: over {slack_m:.1} m into the margin of \
+                "the vehicle estimates that it is at {:.6} {:.6}, {:.1} m deep: over {slack_m:.1} m into the margin of \
                  zone {}",
                 fix.position.latitude_deg,
                 fix.position.longitude_deg,

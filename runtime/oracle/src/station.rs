@@ -6,19 +6,19 @@ use crate::due::Due;
 use crate::rule::Rule;
 use crate::violation::Findings;
 
-/// The longest between two sentences that keep a suspension.
+/// The longest time between two sentences that refresh a suspension.
 const GAP_MAX: Duration = Duration::from_secs(1);
-/// When the vehicle takes its mission up by itself (SPI 8.1).
+/// When the vehicle resumes its mission by itself (SPI 8.1).
 const LAPSE: Duration = Duration::from_secs(2);
 
-/// The cadence of our suspensions: it lives from BPSUS to BPRES, or until the vehicle goes on by itself.
+/// The cadence of our suspensions. A suspension lives from BPSUS to BPRES, or until the vehicle resumes by itself.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Station {
     last: Option<Moment>,
     alive_since: Option<Moment>,
-    /// BPSUS was said on this connection, and BPRES was not since.
+    /// BPSUS was sent on this connection, and no BPRES since.
     suspended: bool,
-    /// BPSUS was said, and BPRES was not since.
+    /// BPSUS was sent, and no BPRES since.
     unended: bool,
     due: Option<Due>,
     opened: u64,
@@ -39,13 +39,13 @@ impl Station {
         self.opened
     }
 
-    /// How long the vehicle kept its station, until now.
+    /// How long the vehicle has kept station until now.
     pub(crate) fn alive_s(&self, now: Moment) -> f64 {
         let open = self.alive_since.map_or(Duration::ZERO, |since| now.since(since));
         (self.alive + open).as_secs_f64()
     }
 
-    /// Judges what silence does.
+    /// Judges the effects of silence.
     pub(crate) fn check(&mut self, now: Moment, findings: &mut Findings) {
         if self.alive_since.is_none() {
             return;
@@ -66,14 +66,15 @@ impl Station {
         }
     }
 
-    /// We wrote a BPSUS. `counts` where the vehicle may take it; `due` where it must end at once.
+    /// We wrote a BPSUS. `counts` is true if the vehicle may accept it; `due` says when it must end, if it must end at
+    /// once.
     pub(crate) fn suspend(&mut self, at: Moment, counts: bool, due: Option<Due>) {
         self.suspended = true;
         self.unended = true;
         self.refresh(at, counts, due);
     }
 
-    /// We wrote BPCON, BPGHP or BPGBP. Whether there was something to keep.
+    /// We wrote BPCON, BPGHP or BPGBP. Returns whether there was a suspension to refresh.
     pub(crate) fn keep(&mut self, at: Moment, counts: bool, due: Option<Due>) -> bool {
         if self.suspended {
             self.refresh(at, counts, due);
@@ -104,7 +105,7 @@ impl Station {
         }
     }
 
-    /// The link was lost: the vehicle goes on by itself, and nothing is suspended on the next connection.
+    /// The link was lost: the vehicle resumes by itself, and nothing is suspended on the next connection.
     pub(crate) fn cut(&mut self, at: Moment) {
         self.suspended = false;
         self.close(at);
@@ -115,7 +116,7 @@ impl Station {
         self.close(at);
     }
 
-    /// What was said of late is not known: the mission may be suspended.
+    /// The record has a gap: the mission may be suspended.
     pub(crate) fn forget(&mut self, at: Moment) {
         self.close(at);
         self.last = None;

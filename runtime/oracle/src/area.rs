@@ -66,6 +66,37 @@ impl Area {
         surroundings.edge_m = nearest_m;
     }
 
+    /// How much room a place has, metres: to the nearest border that must not be crossed, and down to the greatest depth
+    /// that is allowed there. Both are negative on the wrong side, and infinite where nothing bounds them.
+    ///
+    /// Of the keep-in zones, the one with the most room counts; keep-out zones count if they hold at this depth at all
+    /// times. The distance is infinite if it is not asked for.
+    pub(crate) fn room(&self, point: Point, depth_m: f64, distance: bool) -> (f64, f64) {
+        let plane = Plane::at(point);
+        let edge_m = |zone: &Zone| {
+            let to_edge_m = |edge: [Point; 2]| to_segment_m([0.0, 0.0], edge.map(|end| plane.vector(end)));
+            zone.edges().map(to_edge_m).fold(f64::INFINITY, f64::min)
+        };
+        let (mut kept_m, mut clear_m, mut depth_room_m) = (f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY);
+        for zone in &self.zones {
+            let inside = zone.contains(point);
+            let signed_m = |sign: f64| if distance { sign * edge_m(zone) } else { f64::INFINITY };
+            match zone.kind {
+                Kind::KeepIn => {
+                    kept_m = kept_m.max(signed_m(if inside { 1.0 } else { -1.0 }));
+                    if inside {
+                        depth_room_m = depth_room_m.max(zone.depth_max_m - depth_m);
+                    }
+                }
+                Kind::KeepOut if !zone.timed && (zone.depth_min_m..=zone.depth_max_m).contains(&depth_m) => {
+                    clear_m = clear_m.min(signed_m(if inside { -1.0 } else { 1.0 }));
+                }
+                Kind::KeepOut => {}
+            }
+        }
+        (kept_m.min(clear_m), depth_room_m)
+    }
+
     /// The widest margin of any zone, metres.
     pub(crate) fn margin_max_m(&self) -> f64 {
         self.zones.iter().fold(0.0, |most, zone| zone.margin_m.max(most))

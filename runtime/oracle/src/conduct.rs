@@ -1,12 +1,13 @@
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 
 use crate::area::Area;
 use crate::delivery::Delivery;
 use crate::limits::{Activity, Truth};
 use crate::plan::Plan;
-use crate::plane::Plane;
+use crate::plane::{Plane, Point};
 use crate::rule::Rule;
 use crate::surroundings::Survey;
 use crate::violation::Findings;
@@ -54,6 +55,7 @@ pub(crate) struct Conduct {
     grounded: Excursion,
     margin: Excursion,
     margin_judged: Option<Moment>,
+    margins_noted: Option<Moment>,
     outlived: Excursion,
     station_outlived: Excursion,
     reports: u64,
@@ -171,6 +173,17 @@ impl Conduct {
             Activity::Suspended => findings.judge(Rule::StationOutlives),
             Activity::Plan | Activity::Insert(_) | Activity::Other => {}
         }
+        let delay = context.delivery.delay(context.link_delay);
+        let mut lasts = |margin: Margin, last: Option<Moment>, lapse: Duration| {
+            if let Some(last) = last {
+                findings.near(margin, at.since(last).as_secs_f64(), (lapse + delay).as_secs_f64());
+            }
+        };
+        match truth.activity {
+            Activity::Modified => lasts(Margin::ModifyLasts, context.delivery.last_modify(), LAPSE),
+            Activity::Suspended => lasts(Margin::StationLasts, context.delivery.last_station(), STATION_LAPSE),
+            Activity::Plan | Activity::Insert(_) | Activity::Other => {}
+        }
         let last = context.delivery.last_modify();
         let outlived = truth.activity == Activity::Modified && over(last, LAPSE);
         self.outlived
@@ -219,6 +232,9 @@ impl Conduct {
                 truth.position.latitude_deg, truth.position.longitude_deg, truth.depth_m, truth.activity
             )
         };
+        if commanded {
+            self.note_margins(at, (point, truth), context.area, findings);
+        }
         let rule = if commanded || self.cancelled.is_none() {
             Rule::TruthFence
         } else {
@@ -273,6 +289,22 @@ impl Conduct {
                 zone.map_or("", |zone| &zone.name)
             )
         });
+    }
+
+    /// How near the vehicle is to what is forbidden. Twice a second is enough: it moves by a metre or two.
+    fn note_margins(&mut self, at: Moment, (point, truth): (Point, &Truth), area: &Area, findings: &mut Findings) {
+        if self.margins_noted.is_some_and(|noted| at.since(noted) < MARGIN_EVERY) {
+            return;
+        }
+        self.margins_noted = Some(at);
+        findings.near(Margin::Altitude, truth.altitude_m, 0.0);
+        let known = findings
+            .margins()
+            .nearest(Margin::Clearance)
+            .map_or(f64::INFINITY, |known| known.value);
+        let (clearance_m, depth_room_m) = area.room(point, truth.depth_m, self.survey.spare_m() < known);
+        findings.near(Margin::DepthRoom, depth_room_m, 0.0);
+        findings.near(Margin::Clearance, clearance_m, 0.0);
     }
 
     /// Returns whether any keep-in zone contains the vehicle, whether one of those allows its depth, and which keep-out

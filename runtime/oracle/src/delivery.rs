@@ -1,6 +1,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 use crate::time_of_day::TimeOfDay;
 
@@ -88,6 +89,17 @@ impl Delivery {
         let sent = self.modifies.iter().rev().find(|(made, _)| *made == created);
         if name == *b"BPRMB" && sent.is_some() {
             findings.judge(Rule::StaleDelivery);
+        }
+        if name == *b"BPRMB"
+            && let Some((_, sent)) = sent
+            && self.deaf == 0
+        {
+            let since = self.hears_since.map_or(*sent, |since| since.max(*sent));
+            findings.near(
+                Margin::Delivery,
+                at.since(since).as_secs_f64(),
+                (Self::STALE + link_delay).as_secs_f64(),
+            );
         }
         if name == *b"BPRMB"
             && let Some((_, sent)) = sent

@@ -22,6 +22,11 @@ impl Due {
         now > self.by
     }
 
+    /// How much time is left, seconds; negative if it is missed.
+    pub(crate) fn left_s(&self, now: Moment) -> f64 {
+        self.by.since(now).as_secs_f64() - now.since(self.by).as_secs_f64()
+    }
+
     pub(crate) fn tell(&self, now: Moment, end: &str, findings: &mut Findings) {
         findings.add(now, self.rule, || {
             format!("no {end} by {}, although {}", self.by, self.why)

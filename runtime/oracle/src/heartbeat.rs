@@ -152,9 +152,14 @@ impl Heartbeat {
         self.trips.iter().copied().max()
     }
 
+    /// How long an answered command counts, from when it left.
+    pub(crate) fn lasts(&self) -> Duration {
+        SPEAKS_FOR + self.late
+    }
+
     /// Whether a command that left under 3 s ago was answered in time.
     pub(crate) fn is_heard(&self, now: Moment) -> bool {
-        let recent = |left: Moment| now.since(left) < SPEAKS_FOR + self.late;
+        let recent = |left: Moment| now.since(left) < self.lasts();
         self.trips.iter().any(|(left, _)| recent(*left)) || self.unseen_until.is_some_and(recent)
     }
 

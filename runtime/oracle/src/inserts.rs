@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 use crate::time_of_day::{Echo, TimeOfDay};
 
@@ -475,6 +476,8 @@ impl Inserts {
                 remaining_s += left_s;
             }
         }
+        #[expect(clippy::cast_precision_loss, reason = "a handful of inserts")]
+        findings.near(Margin::InsertsOpen, open as f64, f64::from(open_max));
         if open > u64::from(open_max) {
             findings.add(at, Rule::InsertsOpen, || {
                 format!("{open} inserts open, {open_max} allowed")

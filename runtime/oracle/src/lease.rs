@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 use crate::time_of_day::{Echo, TimeOfDay};
 
@@ -117,6 +118,9 @@ impl Lease {
                 format!("a BPRMB {} ms after the one at {last}", at.since(last).as_millis())
             });
         }
+        if let Some(last) = self.last_modify.filter(|_| self.alive_since.is_some()) {
+            findings.near(Margin::ModifyGap, at.since(last).as_secs_f64(), GAP_MAX.as_secs_f64());
+        }
         self.last_modify = Some(at);
         self.unended = true;
         self.gap_told = false;
@@ -149,7 +153,10 @@ impl Lease {
     }
 
     /// We wrote a BPEMB.
-    pub(crate) fn end(&mut self, at: Moment) {
+    pub(crate) fn end(&mut self, at: Moment, findings: &mut Findings) {
+        if let Some(due) = self.due.filter(|_| self.alive_since.is_some()) {
+            findings.near(Margin::ModifyEnd, due.left_s(at), 0.0);
+        }
         self.unended = false;
         self.close(at);
     }

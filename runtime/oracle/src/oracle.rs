@@ -474,8 +474,13 @@ impl Oracle {
 
     /// Whether the newest solution is older than allowed under any interpretation.
     fn is_stale(&self, now: Moment, tolerance: Duration) -> bool {
-        let allowed = self.navigation_age_max + self.link_delay + END_WITHIN + tolerance;
+        let allowed = self.navigation_age_allowed() + tolerance;
         self.navigation.age(now).is_none_or(|age| age > allowed)
+    }
+
+    /// The greatest age of navigation that the runtime may steer by, as the oracle sees it on the link.
+    fn navigation_age_allowed(&self) -> Duration {
+        self.navigation_age_max + self.link_delay + END_WITHIN
     }
 
     fn control_held_at(&self, now: Moment) -> Duration {

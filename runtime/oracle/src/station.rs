@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 
 use crate::due::Due;
@@ -68,21 +69,24 @@ impl Station {
 
     /// We wrote a BPSUS. `counts` is true if the vehicle may accept it; `due` says when it must end, if it must end at
     /// once.
-    pub(crate) fn suspend(&mut self, at: Moment, counts: bool, due: Option<Due>) {
+    pub(crate) fn suspend(&mut self, at: Moment, counts: bool, due: Option<Due>, findings: &mut Findings) {
         self.suspended = true;
         self.unended = true;
-        self.refresh(at, counts, due);
+        self.refresh(at, counts, due, findings);
     }
 
     /// We wrote BPCON, BPGHP or BPGBP. Returns whether there was a suspension to refresh.
-    pub(crate) fn keep(&mut self, at: Moment, counts: bool, due: Option<Due>) -> bool {
+    pub(crate) fn keep(&mut self, at: Moment, counts: bool, due: Option<Due>, findings: &mut Findings) -> bool {
         if self.suspended {
-            self.refresh(at, counts, due);
+            self.refresh(at, counts, due, findings);
         }
         self.suspended
     }
 
-    fn refresh(&mut self, at: Moment, counts: bool, due: Option<Due>) {
+    fn refresh(&mut self, at: Moment, counts: bool, due: Option<Due>, findings: &mut Findings) {
+        if let Some(last) = self.last.filter(|_| self.alive_since.is_some()) {
+            findings.near(Margin::StationGap, at.since(last).as_secs_f64(), GAP_MAX.as_secs_f64());
+        }
         self.last = Some(at);
         if counts && self.alive_since.is_none() {
             self.alive_since = Some(at);
@@ -92,7 +96,10 @@ impl Station {
     }
 
     /// We wrote a BPRES.
-    pub(crate) fn end(&mut self, at: Moment) {
+    pub(crate) fn end(&mut self, at: Moment, findings: &mut Findings) {
+        if let Some(due) = self.due.filter(|_| self.alive_since.is_some()) {
+            findings.near(Margin::StationEnd, due.left_s(at), 0.0);
+        }
         self.suspended = false;
         self.unended = false;
         self.close(at);

@@ -1,5 +1,7 @@
 use serde::Serialize;
 
+use crate::margin::Margins;
+
 /// How much there was to judge.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Statistics {
@@ -49,4 +51,6 @@ pub struct Statistics {
     pub truth_judged: u64,
     /// All violations, including those that the list omits.
     pub violations: u64,
+    /// How near the run came to what the requirements forbid.
+    pub margins: Margins,
 }

@@ -1,5 +1,6 @@
 use std::fmt;
 
+use crate::margin::{Margin, Margins};
 use crate::moment::Moment;
 use serde::Serialize;
 
@@ -44,6 +45,7 @@ pub(crate) struct Findings {
     /// How often each rule was judged, and how often it was broken.
     judged: [u64; Rule::ALL.len()],
     broken: [u64; Rule::ALL.len()],
+    margins: Margins,
 }
 
 impl Default for Findings {
@@ -55,6 +57,7 @@ impl Default for Findings {
             line: Vec::new(),
             judged: [0; Rule::ALL.len()],
             broken: [0; Rule::ALL.len()],
+            margins: Margins::default(),
         }
     }
 }
@@ -84,6 +87,18 @@ impl Findings {
     pub(crate) fn of(&self, rule: Rule) -> (u64, u64) {
         let broken = self.broken[rule as usize];
         (self.judged[rule as usize].max(broken), broken)
+    }
+
+    /// Notes how near a case came to what is forbidden. Figures that are not finite are left out.
+    pub(crate) fn near(&mut self, margin: Margin, value: f64, allowed: f64) {
+        if value.is_finite() && allowed.is_finite() {
+            self.margins.note(margin, value, allowed);
+        }
+    }
+
+    /// The nearest cases.
+    pub(crate) const fn margins(&self) -> &Margins {
+        &self.margins
     }
 
     /// Adds a violation. The text is made only if the violation is kept.

@@ -1,3 +1,4 @@
+use crate::margin::Margin;
 use crate::moment::Moment;
 
 use super::{Oracle, RACE};
@@ -68,6 +69,11 @@ impl Oracle {
         self.findings.judge(Rule::Unheard);
         let sure = self.sure();
         let stays = request.asks.is_irrevocable();
+        if let Some((left, _)) = self.heartbeat.newest() {
+            let (age, allowed) = (at.since(left), self.heartbeat.lasts());
+            self.findings
+                .near(Margin::RoundTrip, age.as_secs_f64(), allowed.as_secs_f64());
+        }
         if !self.heartbeat.is_heard(at) {
             let newest = self.heartbeat.newest();
             self.findings.add(at, Rule::Unheard, || match newest {

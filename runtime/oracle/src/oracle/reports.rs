@@ -61,6 +61,7 @@ impl Oracle {
             truth_modified_s,
             truth_judged,
             violations: self.findings.count(),
+            margins: *self.findings.margins(),
             ..self.counts.clone()
         }
     }

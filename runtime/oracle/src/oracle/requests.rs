@@ -5,6 +5,7 @@ use super::{Oracle, RECENT, STEADY};
 use crate::area::Fault;
 use crate::earth::Line;
 use crate::inserts::Insert;
+use crate::margin::Margin;
 use crate::moment::Moment;
 use crate::rule::Rule;
 use crate::services::Rated;
@@ -32,7 +33,7 @@ impl Oracle {
                 self.delivery.sent_station(at);
                 let (counts, due) = (self.control.is_up() && !denied, self.end_due());
                 self.findings.judge(Rule::StationGap);
-                self.station.suspend(at, counts, due);
+                self.station.suspend(at, counts, due, &mut self.findings);
             }
             Ours::Continue => self.keep_station(at, denied),
             Ours::HullPosition(place_m) => {
@@ -48,11 +49,11 @@ impl Oracle {
                 self.judge_move(at, "BPGBP", self.limits.bottom_box, place_m);
                 self.keep_station(at, denied);
             }
-            Ours::Resume => self.station.end(at),
+            Ours::Resume => self.station.end(at, &mut self.findings),
             Ours::Modify(modify) => self.judge_modify(at, (created, modify), denied),
             Ours::EndModify => {
                 self.counts.end_modifies += 1;
-                self.lease.end(at);
+                self.lease.end(at, &mut self.findings);
             }
             Ours::Trackline(line) => self.judge_trackline(at, created, line),
             Ours::Trackcircle(circle) => self.judge_trackcircle(at, created, circle),
@@ -109,7 +110,7 @@ impl Oracle {
         let (counts, due) = (self.control.is_up() && !denied, self.end_due());
         self.findings.judge(Rule::StationGap);
         self.findings.judge(Rule::StationDead);
-        if !self.station.keep(at, counts, due) && !denied {
+        if !self.station.keep(at, counts, due, &mut self.findings) && !denied {
             self.findings.add(at, Rule::StationDead, || {
                 "a sentence that refreshes a suspension, or moves the vehicle, without a BPSUS before it".to_owned()
             });
@@ -181,6 +182,11 @@ impl Oracle {
         }
         self.findings.judge(Rule::StaleNavigation);
         self.findings.judge(Rule::ModifyInherits);
+        if let Some(age) = self.navigation.age(at) {
+            let allowed = self.navigation_age_allowed();
+            self.findings
+                .near(Margin::NavigationAge, age.as_secs_f64(), allowed.as_secs_f64());
+        }
         if self.is_stale(at, Duration::ZERO) && self.lease.tell_stale() {
             let age = self.navigation.age(at);
             self.findings.add(at, Rule::StaleNavigation, || match age {

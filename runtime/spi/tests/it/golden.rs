@@ -54,7 +54,7 @@ fn serialised_messages_are_refused_where_they_are_not_whole() {
             read("BFXYZ", &whole)
                 .unwrap_err()
                 .to_string()
-                .contains("\"BFXYZ\" is no message")
+                .contains("\"BFXYZ\" is not a message")
         );
     }
 }

@@ -144,10 +144,13 @@ impl Whereabouts {
     }
 
     /// Whether the vehicle may be where it is because of us: what we sent last may carry it on for as long as it keeps
-    /// a modify, plus the delay of the link and half a turn.
+    /// a modify, plus the delay of the link, the age of the navigation by which it was sent, and half a turn from its
+    /// first sign to its end.
     fn is_ours(&self, cx: &mut Context) -> bool {
         let limits = cx.monitor.limits();
-        let lasts_s = MODIFY_TIMEOUT.as_secs_f64() + limits.link_delay_max_s + 180.0 / limits.turn_rate_dps;
+        let turns_s = limits.turn_lag_s + 180.0 / limits.turn_rate_dps;
+        let late_s = limits.link_delay_max_s + limits.navigation_age_max_s;
+        let lasts_s = MODIFY_TIMEOUT.as_secs_f64() + late_s + turns_s;
         self.active
             .is_some_and(|active| cx.now.since(active) <= seconds(lasts_s))
     }

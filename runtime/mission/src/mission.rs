@@ -355,13 +355,24 @@ pub(crate) fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> Mi
         Some(key) => format!("{key}: {message}"),
         None => message,
     };
-    let message = message.replace("expected u32", "expected a whole number, 0 to 4294967295");
+    let message = TYPES
+        .iter()
+        .fold(message, |message, (rust, plain)| message.replace(rust, plain));
     MissionError::Toml {
         path: path.to_path_buf(),
         line,
         message,
     }
 }
+
+/// What serde calls a type, and what its value is in a file.
+const TYPES: [(&str, &str); 5] = [
+    ("expected f64", "expected a number"),
+    ("expected u32", "expected a whole number, 0 to 4294967295"),
+    ("expected u64", "expected a whole number, 0 or more"),
+    ("expected a boolean", "expected true or false"),
+    ("expected a sequence", "expected a list"),
+];
 
 /// The key whose value begins where this text ends.
 fn key_before(text: &str) -> Option<&str> {

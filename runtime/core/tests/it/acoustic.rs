@@ -334,7 +334,7 @@ fn an_invalid_packet_is_rejected_and_uses_no_identifier() {
         (packet(1, &[]), "0 frames"),
         (packet(2, &[b"a".as_slice(); 9]), "9 frames"),
         (packet(3, &[b"a".as_slice(), b""]), "frame 1 is empty"),
-        (packet(4, &[&[1; 5000]]), "frames of a packet is 5000"),
+        (packet(4, &[&[1; 5000]]), "size of a packet's frames is 5000"),
         (
             packet(5, &[whole, whole, whole, whole, whole, whole, whole, &[7; 384]]),
             "BPCPD",

@@ -39,6 +39,15 @@ pub(crate) fn harbour() -> Fence {
     Fence::from_geojson(HARBOUR).unwrap()
 }
 
+/// The harbour with a keep-out zone that holds from 30 m down. It lies 760 to 800 m west of the middle and 400 to 600 m
+/// north of it.
+pub(crate) fn harbour_with_pit() -> Fence {
+    let pit = r#"{"type":"Feature","properties":{"name":"pit","kind":"keep-out","margin_m":10,"depth_min_m":30},
+ "geometry":{"type":"Polygon","coordinates":[[[-70.00965,42.0036],[-70.00917,42.0036],[-70.00917,42.0054],[-70.00965,42.0054],[-70.00965,42.0036]]]}},"#;
+    let (before, zones) = HARBOUR.split_once('\n').unwrap();
+    Fence::from_geojson(&format!("{before}\n{pit}\n{zones}")).unwrap()
+}
+
 /// The planned behaviors by number: a line to the east, then two waypoints.
 pub(crate) const PLAN: [(u32, &[(f64, f64)]); 3] = [
     (1, &[(-600.0, 0.0), (600.0, 0.0)]),

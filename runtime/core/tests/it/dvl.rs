@@ -410,7 +410,7 @@ fn sr_014_a_loss_of_control_or_plugin_ends_the_handshake_with_one_bpdvr_within_1
             let now = trial.now;
             trial.vehicle.set_status(now, "Aborting");
         }),
-        ("power goes", |trial| {
+        ("the power is being switched off", |trial| {
             let created = trial.vehicle.clock(trial.now);
             trial.hear_now([FromVehicle::from(Shutdown { created })]);
         }),
@@ -444,7 +444,7 @@ fn sr_017_an_unrequested_bfdvt_is_answered_at_most_once_a_second() {
     let from = trial.now;
     vehicle_says(&mut trial, true);
     assert_eq!(said(&trial), [(0, 0)]);
-    assert!(format!("{:?}", trial.notes()).contains("DVL triggering that no open request is about"));
+    assert!(format!("{:?}", trial.notes()).contains("DVL triggering, and no request for it is open"));
     for _ in 0..50 {
         vehicle_says(&mut trial, false);
     }

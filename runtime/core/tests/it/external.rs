@@ -319,8 +319,8 @@ fn forbidden_and_invalid_sentences_are_refused_and_counted() {
     assert_eq!(
         counted,
         [
-            "external source ctd: 1 lines were not taken",
-            "external source ctd: 10 lines were not taken"
+            "external source ctd: 1 lines were refused",
+            "external source ctd: 10 lines were refused"
         ]
     );
     assert!(!sent_anything(&trial));

@@ -101,11 +101,11 @@ fn figures_beyond_the_bounds_are_rejected_and_never_clamped() {
                 position: far,
                 ..good.clone()
             },
-            "way of the fix from navigation is 50",
+            "distance of the fix from navigation is 50",
         ),
         (
             PositionFix { position: away, ..good },
-            "way of the fix from the fence's middle is 111",
+            "distance of the fix from the fence's middle is 111",
         ),
     ] {
         say_fix(&mut trial, fix);

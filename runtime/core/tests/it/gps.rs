@@ -260,6 +260,43 @@ fn sr_002_nothing_is_modified_or_interrupted_while_the_vehicle_is_on_its_way_to_
 }
 
 #[test]
+fn sr_002_a_keep_out_zone_at_the_depth_of_another_insert_counts_beside_a_gps_hit() {
+    // East of the pit the vehicle flies at 45 m. From there to the line at 20 m beyond the pit it may still be that deep.
+    // The line ends far south of the pit.
+    let deep = |tag| {
+        let mut deep = line(tag, (-300.0, 500.0), (-600.0, 500.0));
+        deep.vertical = backseat_core::plugin::VerticalRequest::DepthM(45.0);
+        Request::Trackline(deep)
+    };
+    let beyond = |tag| Request::Trackline(line(tag, (-1000.0, 500.0), (-1000.0, -100.0)));
+    let setup = || Setup {
+        fence: course::harbour_with_pit(),
+        ..setup()
+    };
+    for hits in [vec![], vec![hit(1)]] {
+        let mut trial = Trial::with_under_way(setup());
+        trial.run_for(5.0);
+        let count = hits.len();
+        trial.ask(0, hits);
+        trial.run_for(0.5);
+        trial.ask(0, [beyond(2)]);
+        trial.run_for(0.5);
+        assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+        let mut trial = Trial::with_under_way(setup());
+        trial.run_for(5.0);
+        trial.ask(0, (0..count).map(|_| hit(1)));
+        trial.ask(0, [deep(3)]);
+        trial.run_for(0.5);
+        assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
+        let text = rejected(&mut trial, beyond(4));
+        assert!(
+            text.starts_with("keep-out: inside keep-out zone 'pit'"),
+            "{count} GPS hits: {text}"
+        );
+    }
+}
+
+#[test]
 fn sr_002_the_depth_of_the_behavior_before_a_gps_hit_counts() {
     let deep = |tag| {
         let mut deep = line(tag, (0.0, 500.0), (300.0, 500.0));
@@ -356,7 +393,7 @@ fn neither_its_plugin_nor_a_failure_nor_a_hold_cancels_a_gps_hit() {
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
     assert_eq!(shorts(&trial.states(2)).last(), Some(&"cancelled"));
     let said = trial.notes().into_iter().filter(
-        |(_, note)| matches!(note, Note::Text { text } if text.contains("may be flown yet: it cannot be cancelled")),
+        |(_, note)| matches!(note, Note::Text { text } if text.contains("may still be flown: it cannot be cancelled")),
     );
     assert_eq!(said.count(), 2);
 }

@@ -588,7 +588,11 @@ fn sr_010_nothing_interrupts_an_interrupting_insert() {
     // Until a behavior begins, core does not know what an insert would follow.
     trial.ask(1, [good_line(6)]);
     trial.run_for(0.5);
-    assert!(trial.rejection(6).contains("not heard"), "{}", trial.rejection(6));
+    assert!(
+        trial.rejection(6).contains("current behavior unknown"),
+        "{}",
+        trial.rejection(6)
+    );
     goes_on(&mut trial);
     trial.ask(1, [interrupting(5)]);
     trial.run_for(0.5);

@@ -133,11 +133,11 @@ fn sr_003_a_lease_ends_with_one_bpemb_whatever_ends_it() {
         ("the vehicle did not acknowledge it", |trial| {
             trial.vehicle.replies.insert("RMB", Reply::Silent);
         }),
-        ("a behavior began under it", |trial| {
+        ("a behavior began during it", |trial| {
             let now = trial.now;
             trial.vehicle.begin(now, Some(2), None);
         }),
-        ("a behavior ended under it", |trial| {
+        ("a behavior ended during it", |trial| {
             let now = trial.now;
             trial.vehicle.end(now, Some(1), None);
         }),
@@ -372,7 +372,7 @@ fn sr_002_without_the_vehicles_plan_a_modify_is_rejected_unless_the_mission_allo
         trial.run_for(0.5);
         assert_eq!(trial.core.is_steering(), !needs);
         if needs {
-            assert!(trial.rejection(1).contains("plan is not known"));
+            assert!(trial.rejection(1).contains("plan unknown"));
             trial.vehicle.replies.clear();
             trial.run_for(8.0);
             trial.ask(0, [Request::Modify(modify(2))]);

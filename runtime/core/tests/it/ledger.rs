@@ -29,11 +29,7 @@ fn sr_009_every_request_has_one_end_and_is_counted_once() {
 /// Checks that an insert was refused because the plan is unknown, and that one is accepted once the vehicle has sent
 /// the plan again.
 fn known_once_it_has_come_anew(trial: &mut Trial) {
-    assert!(
-        trial.rejection(1).contains("plan is not known"),
-        "{:?}",
-        trial.states(1)
-    );
+    assert!(trial.rejection(1).contains("plan unknown"), "{:?}", trial.states(1));
     trial.vehicle.replies.clear();
     let now = trial.now;
     trial.vehicle.begin(now, Some(1), None);
@@ -98,7 +94,7 @@ fn sr_002_a_plan_series_that_ends_in_a_refusal_does_not_count_as_complete() {
     trial.run_for(0.5);
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
-    assert!(trial.rejection(1).contains("plan is not known"));
+    assert!(trial.rejection(1).contains("plan unknown"));
 }
 
 #[test]

@@ -93,7 +93,7 @@ fn sr_010_a_refused_insert_that_is_flown_anyway_is_not_interrupted() {
     trial.ask(0, [interrupting(2)]);
     trial.run_for(0.5);
     assert!(
-        trial.rejection(2).contains("may be one that none may interrupt"),
+        trial.rejection(2).contains("may be one that no other may interrupt"),
         "{}",
         trial.rejection(2)
     );

@@ -77,7 +77,7 @@ fn sr_020_recovery_takes_each_step_at_its_time_and_reports_it_once() {
     for (what, seconds) in [
         ("leases end", 1.0),
         ("inserts are cancelled", 3.0),
-        ("the insert that is flown goes on", 3.0),
+        ("the current insert continues", 3.0),
         ("the topside is told", 6.0),
         ("the mission is aborted", 15.0),
     ] {
@@ -179,7 +179,7 @@ fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_stays_and_the_next_step
     );
     assert_eq!(trial.commands("RCN").len(), 1);
     let step = said_of(&trial, "inserts are cancelled");
-    assert_eq!(said_of(&trial, "a way that would remain is worse"), step);
+    assert_eq!(said_of(&trial, "the way without it is refused"), step);
     assert_eq!(said_of(&trial, "the topside is told"), step);
 }
 
@@ -321,7 +321,7 @@ fn the_runtimes_own_cancel_is_sent_five_times_at_most_if_it_is_not_answered() {
         assert_eq!(pair[1].since(pair[0]), Duration::from_secs(least_s));
     }
     let given_up =
-        |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("not answered 5"));
+        |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("did not answer 5"));
     assert_eq!(trial.notes().iter().filter(|note| given_up(note)).count(), 1);
     let trial = failing(Reply::Late(Duration::from_millis(1800), AckStatus::Succeeded));
     assert_eq!(trial.commands("RCN").len(), 1);
@@ -374,7 +374,6 @@ fn sr_020_a_fail_action_keeps_an_insert_whose_cancel_would_leave_a_worse_way() {
     trial.fail(1, backseat_core::plugin::FaultKind::Error);
     trial.run_for(5.0);
     assert!(trial.commands("RCN").is_empty());
-    let told =
-        |(_, note): (Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("would remain is worse"));
+    let told = |(_, note): (Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("the way without it is refused"));
     assert!(trial.notes().into_iter().any(told));
 }

@@ -492,6 +492,6 @@ fn control_that_changes_ten_times_a_second_takes_effect_each_time_and_does_not_f
     let more = trial
         .notes()
         .into_iter()
-        .filter(|(_, note)| note.to_string().contains("times more"));
+        .filter(|(_, note)| note.to_string().contains("more times"));
     assert!(more.count() >= 3);
 }

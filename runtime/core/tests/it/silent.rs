@@ -304,8 +304,8 @@ fn requests_that_the_state_does_not_allow_are_rejected() {
     // The second and the third request come before the first is answered.
     trial.ask(0, [silent(2), silent(3), normal(4)]);
     trial.run_for(2.0);
-    assert!(trial.rejection(3).contains("has not answered for the last one"));
-    assert!(trial.rejection(4).contains("has not answered for the last one"));
+    assert!(trial.rejection(3).contains("has not answered the last BPSIL"));
+    assert!(trial.rejection(4).contains("has not answered the last BPSIL"));
     trial.ask(0, [silent(5)]);
     trial.ask(1, [silent(6), normal(7)]);
     trial.run_for(0.3);

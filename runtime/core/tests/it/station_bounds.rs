@@ -269,7 +269,7 @@ fn each_kind_of_move_needs_its_own_navigation_and_its_own_box() {
     trial.vehicle.hull_m = None;
     trial.run_for(1.5);
     let rejection = ask(&mut trial, station(2)).unwrap_err();
-    assert!(rejection.contains("neither BFRNV in a hull_box"), "{rejection}");
+    assert!(rejection.contains("neither BFRNV with a hull_box"), "{rejection}");
 }
 
 #[test]

@@ -229,7 +229,7 @@ fn sr_005_station_keeping_needs_a_grant_an_armed_runtime_a_table_and_figures_wit
                 speed_mps: Some(f64::NAN),
                 ..station(4)
             },
-            "speed of station keeping is no finite number",
+            "speed of station keeping is not a finite number",
         ),
         (
             StationRequest {
@@ -240,7 +240,7 @@ fn sr_005_station_keeping_needs_a_grant_an_armed_runtime_a_table_and_figures_wit
         ),
         (
             to_bottom(6, 0.0, 0.0, VerticalRequest::DepthM(f64::NAN)),
-            "depth is no finite number",
+            "depth is not a finite number",
         ),
         (
             to_bottom(7, 0.0, 0.0, VerticalRequest::DepthM(-1.0)),
@@ -248,11 +248,11 @@ fn sr_005_station_keeping_needs_a_grant_an_armed_runtime_a_table_and_figures_wit
         ),
         (
             to_bottom(8, f64::NAN, 0.0, VerticalRequest::DepthM(20.0)),
-            "x is no finite number",
+            "x is not a finite number",
         ),
         (
             to_hull(9, 0.0, f64::INFINITY, 5.0),
-            "vertical position is no finite number",
+            "vertical position is not a finite number",
         ),
         (to_hull(10, 1e300, 5.0, 5.0), "beyond hull_box's horizontal_max_m 50"),
     ];

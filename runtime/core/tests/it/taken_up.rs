@@ -99,7 +99,7 @@ fn sr_002_another_payloads_insert_that_the_plan_does_not_name_is_not_modified() 
     let mut trial = Trial::under_way();
     // Another payload inserted it after core had asked for the plan.
     begins(&mut trial, None, Some(40));
-    refused_for(&mut trial, turn(9, 90.0), 9, "not in its plan");
+    refused_for(&mut trial, turn(9, 90.0), 9, "neither in the plan nor an open insert");
 }
 
 fn beside_the_plan() -> Trial {

@@ -31,7 +31,7 @@ fn sr_002_during_a_link_loss_the_flown_insert_may_have_ended() {
     trial.vehicle.inserted.remove(&1);
     outage(&mut trial);
     led_to(&mut trial, -600.0, -1500.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn sr_002_during_a_link_loss_a_waiting_insert_may_have_been_flown() {
     accepted(&mut trial, first, 1);
     trial.vehicle.inserted.remove(&1);
     outage(&mut trial);
-    refused_for(&mut trial, second(), 2, "not heard");
+    refused_for(&mut trial, second(), 2, "current behavior unknown");
 }
 
 /// An insert that was accepted begins before the outage or during it.
@@ -71,8 +71,18 @@ fn sr_002_during_a_link_loss_a_waiting_insert_may_have_begun() {
         led_to(&mut trial, -500.0, -700.0);
         trial
     };
-    refused_for(&mut flown(true), Request::Modify(modify(8)), 8, "not heard");
-    refused_for(&mut flown(false), Request::Modify(modify(9)), 9, "not heard");
+    refused_for(
+        &mut flown(true),
+        Request::Modify(modify(8)),
+        8,
+        "current behavior unknown",
+    );
+    refused_for(
+        &mut flown(false),
+        Request::Modify(modify(9)),
+        9,
+        "current behavior unknown",
+    );
 }
 
 #[test]
@@ -189,7 +199,7 @@ fn sr_002_after_the_end_of_a_planned_behavior_the_current_one_is_unknown_until_o
     begins(&mut trial, Some(2), None);
     trial.way = None;
     led_to(&mut trial, 600.0, -100.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
 }
 
 #[test]
@@ -202,7 +212,7 @@ fn sr_002_any_sentence_that_was_lost_may_have_been_a_begin() {
     begins(&mut trial, Some(2), None);
     trial.way = None;
     led_to(&mut trial, 600.0, -100.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
 }
 
 /// Noise on the line: each such sentence gets one character too many, so that its checksum is wrong.

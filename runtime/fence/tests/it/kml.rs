@@ -115,7 +115,7 @@ fn a_misspelt_element_is_refused_everywhere() {
 
 #[test]
 fn no_hole_is_lost() {
-    let expected = "expected <outerBoundaryIs>, <innerBoundaryIs> or how it is drawn";
+    let expected = "expected <outerBoundaryIs>, <innerBoundaryIs> or a drawing element such as <extrude>";
     for name in ["innerboundaryIs", "innerBoundary", "hole"] {
         let error = refused(&KML.replace("innerBoundaryIs", name));
         assert_eq!(error, format!("line 16: <{name}> in <Polygon>, {expected}"));
@@ -144,7 +144,7 @@ fn no_hole_is_lost() {
         (
             "<coordinates>-69.99",
             "<coordinates/><coordinates>-69.99",
-            "line 16: another <coordinates> in <LinearRing>, expected it once",
+            "line 16: another <coordinates> in <LinearRing>, expected it only once",
         ),
         (
             "-69.988,42.012 ",
@@ -164,7 +164,7 @@ fn no_hole_is_lost() {
 
 #[test]
 fn no_placemark_is_lost() {
-    let expected = "expected <Placemark>, <Document>, <Folder> or what KML 2.3 has beside them";
+    let expected = "expected <Placemark>, <Document>, <Folder> or another element that KML 2.3 allows here";
     for (from, to, line) in [
         ("Placemark", "placemark", "line 4: <placemark> in <Folder>"),
         ("Placemark", "PlaceMark", "line 4: <PlaceMark> in <Folder>"),
@@ -219,7 +219,7 @@ fn no_part_of_a_placemark_is_lost() {
         (
             "ExtendedData>",
             "Extendeddata>",
-            "line 7: <Extendeddata> in <Placemark>, expected a geometry, <ExtendedData>, <TimeSpan> or what KML 2.3 has beside them",
+            "line 7: <Extendeddata> in <Placemark>, expected a geometry, <ExtendedData>, <TimeSpan> or another element that KML 2.3 allows here",
         ),
         (
             "<Polygon>",
@@ -230,7 +230,7 @@ fn no_part_of_a_placemark_is_lost() {
         (
             "<name>",
             "<name>pier</name>\n<name>",
-            "line 6: another <name> in <Placemark>, expected it once",
+            "line 6: another <name> in <Placemark>, expected it only once",
         ),
         (
             "Polygon>",
@@ -279,12 +279,12 @@ fn no_time_is_lost() {
         (
             "<begin>",
             "<begin>2026-05-01T09:00:00Z</begin><begin>",
-            "line 6: another <begin> in <TimeSpan>, expected it once",
+            "line 6: another <begin> in <TimeSpan>, expected it only once",
         ),
         (
             "<TimeSpan>",
             "<TimeSpan><end>2026-05-02T08:00:00Z</end></TimeSpan>\n<TimeSpan>",
-            "line 7: another <TimeSpan> in <Placemark>, expected it once",
+            "line 7: another <TimeSpan> in <Placemark>, expected it only once",
         ),
         (
             "TimeSpan>",
@@ -329,7 +329,7 @@ fn no_property_is_lost() {
         (
             margin,
             "<value>9</value><value>900</value>",
-            "line 9: another <value> in <Data>, expected it once",
+            "line 9: another <value> in <Data>, expected it only once",
         ),
         (
             margin,
@@ -369,17 +369,17 @@ fn text_outside_of_the_root_element_is_refused() {
     for (text, message) in [
         (
             format!("fence\n{KML}"),
-            "line 1: text `fence` outside of the root element, expected well-formed XML",
+            "line 1: text `fence` outside the root element, expected well-formed XML",
         ),
         (
             format!("{KML}\nfence"),
-            "line 23: text `fence` outside of the root element",
+            "line 23: text `fence` outside the root element",
         ),
         (
             format!("{KML}<![CDATA[fence]]>"),
-            "line 22: text `fence` outside of the root element",
+            "line 22: text `fence` outside the root element",
         ),
-        (format!("&lt;{KML}"), "line 1: text `<` outside of the root element"),
+        (format!("&lt;{KML}"), "line 1: text `<` outside the root element"),
         (
             KML.replace("box", "b\0x"),
             "line 5: control character U+0000, expected well-formed XML",

@@ -93,7 +93,7 @@ fn errors_in_json_name_their_line() {
     assert!(refused("{\n\"a\": NaN}").starts_with("line 2 column 6"));
     assert_eq!(
         refused("{\"type\": 1,\n\n\"type\": 2}"),
-        "line 3 column 6: key `type` is given twice, expected it once"
+        "line 3 column 6: key `type` is given twice, expected it only once"
     );
     let deep = "[".repeat(100_000);
     assert!(refused(&deep).contains("recursion limit"));
@@ -291,7 +291,7 @@ fn values_out_of_range_are_refused() {
 fn windows_need_valid_times_in_order() {
     assert_eq!(
         with_property("valid_from", json!("tomorrow")),
-        "feature 'survey box': `valid_from` is \"tomorrow\", expected a time of RFC 3339, as \"2026-05-01T08:00:00Z\""
+        "feature 'survey box': `valid_from` is \"tomorrow\", expected a time of RFC 3339, such as \"2026-05-01T08:00:00Z\""
     );
     assert!(with_property("valid_until", json!(1_777_622_400)).contains("`valid_until` is 1777622400"));
     let mut properties = keep_out();
@@ -315,7 +315,7 @@ fn duplicate_names_are_refused() {
     ];
     assert_eq!(
         refused(&collection(&features)),
-        "feature 3: `name` is 'survey box', as that of feature 1, expected unlike names"
+        "feature 3: `name` is 'survey box', the same as that of feature 1, expected different names"
     );
 }
 
@@ -364,7 +364,7 @@ fn rings_must_be_closed_and_enclose_something() {
     );
     assert_eq!(
         with_ring(&[(0.0, 0.0), (0.0, 5.0), (0.0, 10.0), (0.0, 0.0)]),
-        "feature 'survey box' outer ring: zero area, all vertices lie on one line, expected a ring that encloses something"
+        "feature 'survey box' outer ring: zero area, all vertices lie on one line, expected a ring that encloses an area"
     );
     assert_eq!(
         with_ring(&[
@@ -471,7 +471,7 @@ fn holes_must_lie_inside_their_polygon_and_apart() {
     let overlapping = small.map(|(east, north)| (east + 0.5, north + 0.5));
     assert_eq!(
         with_holes(&[&small, &outside]),
-        "feature 'survey box' hole 2: hole lies outside of its polygon, expected it inside the outer ring"
+        "feature 'survey box' hole 2: hole lies outside its polygon, expected a hole inside the outer ring"
     );
     assert_eq!(
         with_holes(&[&within, &small]),
@@ -527,7 +527,7 @@ fn a_fence_across_the_antimeridian_is_refused() {
 fn fences_over_fifty_kilometres_are_refused() {
     assert_eq!(
         with_ring(&[(0.0, 0.0), (10.0, 0.0), (10.0, 455.0), (0.0, 455.0), (0.0, 0.0)]),
-        "feature 'survey box' outer ring vertex 3: farthest out of a fence 50.5 km across, expected at most 50 km"
+        "feature 'survey box' outer ring vertex 3: farthest out in a fence 50.5 km across, expected at most 50 km"
     );
     let text = with_ring(&[(0.0, 0.0), (10_000.0, 0.0), (10_000.0, 10_000.0), (0.0, 0.0)]);
     assert!(text.ends_with("km across, expected at most 50 km"), "{text}");
@@ -630,7 +630,7 @@ fn a_keep_in_zone_that_a_keep_out_zone_covers_is_refused() {
             .map(|_| ())
             .map_err(|error| error.to_string())
     };
-    let message = "feature 'survey box' outer ring: lies wholly inside keep-out zone 'wreck', expected a part that can be reached";
+    let message = "feature 'survey box' outer ring: lies wholly inside keep-out zone 'wreck', expected a part that the vehicle can reach";
     let around =
         |low: f64, high: f64| polygon(&[ring(&[(low, low), (high, low), (high, high), (low, high), (low, low)])]);
     // The keep-out zone lies around the keep-in zone, or has the very same ring, as if the two kinds had been swapped.

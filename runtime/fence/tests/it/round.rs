@@ -156,7 +156,7 @@ fn a_corridor_that_cannot_be_drawn_is_refused_with_its_place() {
     );
     assert!(crossing.contains("crosses or touches"), "{crossing}");
     assert!(refused(&[(0.0, 0.0)], 50.0).starts_with("feature 'in'"));
-    assert!(refused(&[(0.0, 0.0), (0.0, 0.0)], 50.0).contains("line of no length"));
+    assert!(refused(&[(0.0, 0.0), (0.0, 0.0)], 50.0).contains("line without length"));
     assert!(refused(&[(0.0, 0.0), (0.0, 90_000.0)], 50.0).contains("km across"));
     // None of this matters for a keep-out zone.
     let both = load(&[

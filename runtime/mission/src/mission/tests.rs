@@ -390,3 +390,28 @@ fn a_missing_file_or_component_is_named() {
         "{error}"
     );
 }
+
+#[test]
+fn a_value_of_the_wrong_type_is_told_with_its_key_and_what_a_file_has_there() {
+    for (text, told) in [
+        (
+            "[limits]\nspeed_min_mps = \"fast\"",
+            "speed_min_mps: invalid type: string \"fast\", expected a number",
+        ),
+        (
+            "[limits]\ninserts_open_max = -1",
+            "inserts_open_max: invalid value: integer `-1`, expected a whole number, 0 to",
+        ),
+        (
+            "[recovery]\ntell_topside = 1",
+            "tell_topside: invalid type: integer `1`, expected true or false",
+        ),
+        (
+            "[session]\nstatus_failed_when = 1",
+            "status_failed_when: invalid type: integer `1`, expected a list",
+        ),
+    ] {
+        let error = MissionFile::from_toml("mission.toml", text).unwrap_err().to_string();
+        assert!(error.starts_with("mission.toml:2: ") && error.contains(told), "{error}");
+    }
+}

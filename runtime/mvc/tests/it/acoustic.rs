@@ -72,7 +72,7 @@ fn a_packet_outside_of_a_window_is_ignored() {
         let ignored = payload
             .log()
             .iter()
-            .any(|line| line.ends_with("packet 41 of client 1 ignored: outside of a window"));
+            .any(|line| line.ends_with("packet 41 of client 1 ignored: outside a window"));
         assert_eq!(ignored, !sent);
         payload.until(at_s + 5.0_f64.min(30.0 - at_s) - 0.05);
     }
@@ -261,7 +261,7 @@ fn a_silent_vehicle_sends_nothing() {
         payload
             .log()
             .iter()
-            .any(|line| line.ends_with("acoustic window left out: the vehicle is silent"))
+            .any(|line| line.ends_with("acoustic window skipped: the vehicle is silent"))
     );
 }
 
@@ -369,6 +369,6 @@ fn a_packet_that_arrives_while_the_modem_sends_is_not_heard() {
         payload
             .log()
             .iter()
-            .any(|line| line.ends_with("packet of modem 3 was not heard"))
+            .any(|line| line.ends_with("packet from modem 3 was not heard"))
     );
 }

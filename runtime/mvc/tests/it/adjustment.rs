@@ -263,7 +263,7 @@ fn the_vehicle_adjusts_by_itself_and_stops_for_a_request() {
     assert!(of(&heard, "BFBOY").last().unwrap().contains(",1,0,adjusting,"));
     payload.say("$BPTRM,070000.000");
     let heard = payload.heard();
-    assert!(heard[0].starts_with("$BFBOY,080010.000,3,2,canceled: another was asked for,"));
+    assert!(heard[0].starts_with("$BFBOY,080010.000,3,2,canceled: another was requested,"));
     assert_eq!(heard[1], "$BFACK,080010.000,TRM,070000.000,0,2,0,");
 }
 

@@ -169,5 +169,10 @@ fn a_plan_of_only_commands_is_over_as_soon_as_it_begins() {
         "no control in between"
     );
     assert_eq!(heard.len(), 502);
-    assert!(payload.log().iter().any(|line| line.ends_with("payload is told: on")));
+    assert!(
+        payload
+            .log()
+            .iter()
+            .any(|line| line.ends_with("mission command to every client: on"))
+    );
 }

@@ -31,7 +31,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     (
         "$BPRMB,070000.123,,,,1.5,,",
-        &["$BFACK,080005.000,RMB,070000.123,0,0,0,speed_mode: empty beside a speed"],
+        &["$BFACK,080005.000,RMB,070000.123,0,0,0,speed_mode: required with speed"],
     ),
     (
         "$BPRMB,070000.123,5,,,,,1",

@@ -176,7 +176,7 @@ fn triggering_without_permission_is_refused() {
     assert_eq!(
         payload.heard(),
         [
-            "$BFACK,080001.000,DVR,070000.000,0,1,0,triggering without leave",
+            "$BFACK,080001.000,DVR,070000.000,0,1,0,triggering not permitted",
             "$BFDVT,080001.000,0"
         ]
     );

@@ -245,7 +245,7 @@ fn an_abort_wraps_up_with_control_or_without() {
         payload.say("$BPABT,070000.000,again,1");
         let again = payload.heard();
         let why = if wrap_up == "surface" {
-            "the mission is ending already"
+            "the mission is already ending"
         } else {
             "no mission is running"
         };

@@ -52,12 +52,12 @@ fn each_begin_and_end_of_a_fault_is_logged_at_its_time() {
     assert_eq!(
         of_faults(&mut payload),
         [
-            "2.345 s: fault 1 begins: stall on the link to the vehicle of client 7",
+            "2.345 s: fault 1 begins: stall on the link to the vehicle for client 7",
             "2.345 s: fault 2 begins: acknowledgements of RMB 1 s late",
             "2.456 s: fault 2 ends: acknowledgements of RMB 1 s late",
-            "3.000 s: fault 3 begins: link of all cut",
-            "3.000 s: fault 3 ends: link of all cut",
-            "3.345 s: fault 1 ends: stall on the link to the vehicle of client 7",
+            "3.000 s: fault 3 begins: link cut for all clients",
+            "3.000 s: fault 3 ends: link cut for all clients",
+            "3.345 s: fault 1 ends: stall on the link to the vehicle for client 7",
         ]
     );
 }
@@ -407,8 +407,8 @@ fn an_injected_fault_begins_at_once_and_is_numbered_after_the_plan() {
         faults,
         [
             "10.000 s: fault 2 begins: control taken back",
-            "10.000 s: fault 3 begins: vehicle clock set by 5 s",
-            "10.000 s: fault 3 ends: vehicle clock set by 5 s",
+            "10.000 s: fault 3 begins: vehicle clock moved by 5 s",
+            "10.000 s: fault 3 ends: vehicle clock moved by 5 s",
             "12.000 s: fault 1 begins: navigation frozen",
             "14.000 s: fault 2 ends: control taken back",
             "15.000 s: fault 1 ends: navigation frozen",

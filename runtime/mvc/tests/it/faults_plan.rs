@@ -269,7 +269,7 @@ fn an_error_in_a_fault_names_its_number_its_key_and_what_was_expected() {
         ),
         (
             "at_s = 1; kind = \"another_dive\"; dive_file = \"a,b\"",
-            "fault 2: dive_file is \"a,b\", expected a name without commas",
+            "fault 2: dive_file is \"a,b\", expected a name in printable ascii without comma, asterisk and dollar",
         ),
         (
             "at_s = 1; kind = \"another_dive\"; dive_file = \"b\"; for_s = 3",

@@ -110,11 +110,11 @@ const TABLE: &[(&str, &str)] = &[
     ("$BPGHP,070000.000,2,2,3", "GHP,070000.000,0,2,0,"),
     (
         "$BPGHP,070000.000,2,2,0.4",
-        "GHP,070000.000,0,1,0,the distance is to be from 0.5 to 1000 m",
+        "GHP,070000.000,0,1,0,the distance must be 0.5 to 1000 m",
     ),
     (
         "$BPGHP,070000.000,2,-1,3",
-        "GHP,070000.000,0,1,0,the depth is to be from 0 to 60 m",
+        "GHP,070000.000,0,1,0,the depth must be 0 to 60 m",
     ),
     (
         "$BPGHP,070000.000,2000,2,3",
@@ -125,11 +125,11 @@ const TABLE: &[(&str, &str)] = &[
     ("$BPGBP,070000.000,-8,2,A,4", "GBP,070000.000,0,2,0,"),
     (
         "$BPGBP,070000.000,-8,2,D,99",
-        "GBP,070000.000,0,1,0,the depth is to be from 0 to 60 m",
+        "GBP,070000.000,0,1,0,the depth must be 0 to 60 m",
     ),
     (
         "$BPGBP,070000.000,-8,2,A,0.5",
-        "GBP,070000.000,0,1,0,the altitude is to be from 1 to 1000 m",
+        "GBP,070000.000,0,1,0,the altitude must be 1 to 1000 m",
     ),
     (
         "$BPGBP,070000.000,-8,-1001,D,4",
@@ -475,7 +475,7 @@ fn the_mission_goes_on_from_where_it_was_suspended_or_from_where_the_vehicle_is(
         let says = payload
             .log()
             .iter()
-            .any(|line| line.ends_with("back where the mission was suspended: it goes on"));
+            .any(|line| line.ends_with("the vehicle is back where the mission was suspended: the mission goes on"));
         assert_eq!(says, returns, "{setting}");
     }
 }

@@ -108,7 +108,7 @@ fn the_direction_of_the_vertical_is_a_setting() {
         payload
             .heard()
             .iter()
-            .any(|line| line.ends_with("GHP,070000.000,0,1,0,the depth is to be from 0 to 60 m"))
+            .any(|line| line.ends_with("GHP,070000.000,0,1,0,the depth must be 0 to 60 m"))
     );
     keep(&mut payload, 60.0, "$BPGHP,070000.000,0,-4,3");
     assert!(near(payload.mvc.truth().depth_m, 4.0, 0.1));
@@ -435,7 +435,7 @@ fn an_impossible_ship_is_refused_at_the_start() {
         (
             "class = \"hovering\"",
             "class = \"12-inch\"",
-            "vehicle.class is \"12-inch\", expected \"hovering\" where there is a [hovering.hull]",
+            "vehicle.class is \"12-inch\", expected \"hovering\" with a [hovering.hull]",
         ),
         (
             "[hovering]\n",
@@ -453,7 +453,7 @@ fn an_impossible_ship_is_refused_at_the_start() {
     }
     let inside = fault(&HARBOUR.replace("north_m = -12\ndepth_m", "north_m = -5.2\ndepth_m"));
     assert!(
-        inside.starts_with("start, as metres from hovering.hull, is 0.2"),
+        inside.starts_with("start: the distance from hovering.hull in metres is 0.2"),
         "{inside}"
     );
     let unknown = fault(&HARBOUR.replace("beam_m", "width_m"));

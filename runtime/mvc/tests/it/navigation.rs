@@ -223,14 +223,12 @@ fn gps_is_in_the_solution_only_on_the_surface_and_after_its_acquisition() {
     assert!(jump_m > 1.0 && after_m < 0.1, "{jump_m} {after_m}");
     let log = payload.log();
     assert_eq!(
-        log.iter()
-            .filter(|line| line.contains("GPS is in the navigation"))
-            .count(),
+        log.iter().filter(|line| line.contains("navigation uses GPS")).count(),
         1
     );
     assert_eq!(
         log.iter()
-            .filter(|line| line.contains("navigation without GPS"))
+            .filter(|line| line.contains("navigation no longer uses GPS"))
             .count(),
         1
     );

@@ -199,7 +199,7 @@ fn an_interrupted_insert_cannot_be_cancelled_either() {
 /// SPI 7.8 does not say whose behaviors BPRCN cancels.
 #[test]
 fn cancel_accepts_the_insert_of_any_client_or_only_its_own() {
-    for (scope, answer) in [("all", "2,0,"), ("own", "1,0,the behavior is of another client")] {
+    for (scope, answer) in [("all", "2,0,"), ("own", "1,0,the behavior is another client's")] {
         let mut payload = Payload::connected(&plan(&format!("cancel_scope = \"{scope}\"")), 1, &["ACK"]);
         let other = backseat_mvc::ClientId(2);
         payload.connect(other);

@@ -100,7 +100,7 @@ fn clients_without_a_role_are_turned_away_or_served_as_the_setting_says() {
         payload
             .log()
             .iter()
-            .any(|line| line.ends_with("no role is meant for its address"))
+            .any(|line| line.ends_with("its address has no role"))
     );
 
     let mut payload = vehicle("192.168.10.10::foo", WithoutRole::Accept);
@@ -161,7 +161,7 @@ text = "look"
     let log = payload.log();
     assert!(
         log.iter()
-            .any(|line| line.ends_with("BFMSC is for camera and nobody holds that role")),
+            .any(|line| line.ends_with("BFMSC is for the role camera, which no client holds")),
         "{log:?}"
     );
 }

@@ -137,7 +137,7 @@ fn silence_times_out_after_five_minutes_and_is_not_extended() {
         payload.heard(),
         [
             "$BFACK,080500.000,SIL,070002.000,0,3,0,",
-            "$BFACK,080501.000,SIL,070002.000,0,2,0,silent already: the time is not extended"
+            "$BFACK,080501.000,SIL,070002.000,0,2,0,already silent: the time is not extended"
         ]
     );
     payload.log();
@@ -173,7 +173,7 @@ fn a_request_for_normal_mode_overtakes_one_for_silence() {
         payload.heard(),
         [
             "$BFACK,080005.000,SIL,070000.000,0,3,0,",
-            "$BFACK,080005.000,SIL,070000.000,0,1,0,normal mode was asked for meanwhile",
+            "$BFACK,080005.000,SIL,070000.000,0,1,0,normal mode was requested meanwhile",
             "$BFACK,080005.000,SIL,070001.000,0,3,0,",
             "$BFACK,080006.000,SIL,070001.000,0,2,0,the vehicle was not silent"
         ]

@@ -320,7 +320,7 @@ fn a_file_with_what_the_body_cannot_fly_is_refused() {
     let fault = |text: &str| WorldFile::from_toml(text).unwrap_err().to_string();
     assert_eq!(
         fault(&format!("{}class = \"hovering\"\n", body(CALM))),
-        "vehicle.model is \"6-dof\", expected \"kinematic\" where vehicle.class is \"hovering\": the body of 6-dof is a \
+        "vehicle.model is \"6-dof\", expected \"kinematic\" with the class \"hovering\": the body of 6-dof is a \
          torpedo"
     );
     let slow = body(CALM).replacen("speed_mps = 2", "speed_mps = 0.8", 1);

@@ -72,7 +72,7 @@ fn a_plan_without_enough_water_is_refused_with_its_element_and_the_place() {
     assert_eq!(
         fault(&format!("{there}{}", waypoint(200, 350, "depth_m = 1"))),
         "plan element 2: the water is 2.00 m deep at 150 m east, 350 m north (latitude 42.30315, longitude -70.89818), \
-         expected at least 2.50 m: vehicle.altitude_min_m and 0.5 m"
+         expected at least 2.50 m: vehicle.altitude_min_m plus 0.5 m"
     );
     // A line across the shoulder at 12 m leads into the ground.
     let line = "[[plan]]\nkind = \"trackline\"\nstart = { east_m = -100, north_m = 250 }\nend = { east_m = 280, north_m = 250 }\n\
@@ -162,7 +162,7 @@ fn a_grid_that_is_named_must_be_given_and_valid() {
     let file = WorldFile::from_toml(&charted(CALM)).expect("a file is right without its grid");
     assert_eq!(
         Mvc::new(&file, 1).unwrap_err().to_string(),
-        "seabed.grid is `bed.asc`, expected the grid of that file: only its name was given"
+        "seabed.grid is `bed.asc`, but the caller passed no grid: expected the content of that file"
     );
     let message = over(CALM, BED).unwrap_err().to_string();
     assert!(message.starts_with("seabed.grid: expected"), "{message}");
@@ -171,7 +171,7 @@ fn a_grid_that_is_named_must_be_given_and_valid() {
     assert!(message.starts_with("grid, row 1, column 1: no data"), "{message}");
     let both = charted(CALM).replace("grid =", "banks = 2\ngrid =");
     let message = WorldFile::from_toml(&both).unwrap_err().to_string();
-    assert_eq!(message, "seabed.banks: expected it or `seabed.grid`, not both");
+    assert_eq!(message, "seabed.banks: expected this key or `seabed.grid`, not both");
 }
 
 /// SPI 6.1: the altitude counts from the seabed, and the depth from the surface, wherever the tide has that.

@@ -147,11 +147,11 @@ role = "sonar"
     let log = payload.log();
     assert!(
         log.iter()
-            .any(|line| line == "5.000 s: the topside says by RF modem: come home")
+            .any(|line| line == "5.000 s: message from the topside by RF modem: come home")
     );
     assert!(
         log.iter()
-            .any(|line| line == "5.000 s: the topside tells sonar by acoustic modem: now")
+            .any(|line| line == "5.000 s: message from the topside to sonar by acoustic modem: now")
     );
 }
 

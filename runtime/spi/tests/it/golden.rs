@@ -54,7 +54,7 @@ fn incomplete_serialised_messages_are_refused() {
             read("BFXYZ", &whole)
                 .unwrap_err()
                 .to_string()
-                .contains("\"BFXYZ\" is no message")
+                .contains("\"BFXYZ\" is not a message")
         );
     }
 }

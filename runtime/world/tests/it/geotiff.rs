@@ -127,10 +127,7 @@ fn a_world_uses_a_geotiff_grid() {
         ..config
     };
     let error = World::with_grid(&unnamed, 1, Some(grid)).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "seabed.grid: expected the name of the grid that is given"
-    );
+    assert_eq!(error.to_string(), "seabed.grid: expected the name of the grid's file");
 }
 
 /// A TIFF built by hand: big endian and uncompressed, with tags as (number, type, values), and with the pixels after
@@ -225,7 +222,7 @@ fn tiles_points_and_the_files_own_frame_are_read() {
     let error = World::with_grid(&config("local"), 1, Some(grid)).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "seabed.grid_frame: expected what the GeoTIFF's own GTModelType says"
+        "seabed.grid_frame: expected what GTModelType in the GeoTIFF says"
     );
 }
 
@@ -238,7 +235,7 @@ fn missing_and_invalid_tags_are_named() {
     };
     assert_eq!(
         message(&tiled(&[])),
-        "grid, GeoTIFF: ModelPixelScale (33550) is not there, expected two numbers above 0: the width and height of a \
+        "grid, GeoTIFF: ModelPixelScale (33550) is missing, expected two numbers above 0: the width and height of a \
          pixel"
     );
     let mut tags = georeference();
@@ -265,7 +262,7 @@ fn missing_and_invalid_tags_are_named() {
     let bytes = encode::<Gray32Float>(&values, Compression::Uncompressed, Predictor::None);
     assert_eq!(
         message(&bytes),
-        "grid, GeoTIFF: a cell is 1000000000 (row 2, column 3), expected a number within 12000 m"
+        "grid, GeoTIFF: a cell is 1000000000 (row 2, column 3), expected a number, -12000 to 12000 m"
     );
     values[7] = f32::NAN;
     let bytes = encode::<Gray32Float>(&values, Compression::Uncompressed, Predictor::None);

@@ -100,5 +100,5 @@ fn an_empty_mission_needs_a_link_a_duration_no_running_mission_and_no_hold() {
     assert!(rejected(&mut silent, 60).contains("has not said whether a mission runs"));
     let mut twice = ready();
     order(&mut twice, Order::StartEmptyMission { duration_s: 60 });
-    assert!(rejected(&mut twice, 60).contains("being started already"));
+    assert!(rejected(&mut twice, 60).contains("already being started"));
 }

@@ -100,7 +100,7 @@ fn an_unanswered_abort_is_sent_five_times_with_a_new_time_each_and_a_refused_one
     let at = trial.now;
     order(&mut trial, abort());
     order(&mut trial, abort());
-    assert!(rejection(&trial, RequestKind::Abort).contains("under way already"));
+    assert!(rejection(&trial, RequestKind::Abort).contains("already under way"));
     trial.run_for(20.0);
     let sent: Vec<Duration> = trial.sent("ABT").iter().map(|sent| sent.since(at)).collect();
     assert_eq!(sent, (0..5).map(Duration::from_secs).collect::<Vec<_>>());
@@ -190,7 +190,7 @@ fn an_abort_without_a_link_is_kept_for_two_minutes_and_no_longer() {
         assert_eq!(trial.commands("ABT").len(), sent, "{seconds} s");
         assert_eq!(trial.core.open_requests(), 0);
         if sent == 0 {
-            assert!(rejection(&trial, RequestKind::Abort).contains("order it again"));
+            assert!(rejection(&trial, RequestKind::Abort).contains("give the order again"));
         } else {
             let up = trial.names_since(trial.sent("VER").last().copied().unwrap());
             let acks = up.iter().position(|name| *name == "LOG").unwrap();

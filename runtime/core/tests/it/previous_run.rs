@@ -267,7 +267,7 @@ fn sr_015_a_hold_takes_back_the_inserts_that_a_killed_process_left_in_the_plan()
 }
 
 #[test]
-fn sr_015_a_successor_takes_back_such_an_insert_even_if_the_plan_does_not_come_again() {
+fn sr_015_a_hold_takes_back_an_insert_of_a_killed_process_even_if_the_plan_does_not_come_again() {
     let mut trial = successor(2, |_| {});
     trial.vehicle.inserted.extend([7]);
     trial.run_for(2.0);
@@ -290,7 +290,7 @@ fn sr_015_a_successor_takes_back_such_an_insert_even_if_the_plan_does_not_come_a
 }
 
 #[test]
-fn sr_015_during_a_hold_such_an_insert_is_taken_back_as_soon_as_the_plan_names_it() {
+fn sr_015_during_a_hold_an_insert_of_a_killed_process_is_taken_back_as_soon_as_the_plan_names_it() {
     let mut trial = successor(2, |_| {});
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.run_for(2.0);

@@ -123,7 +123,7 @@ fn requirement_002_nothing_is_inserted_into_an_unknown_plan() {
 }
 
 #[test]
-fn requirement_002_nothing_is_inserted_before_it_was_heard_what_is_flown() {
+fn requirement_002_nothing_is_inserted_before_the_current_behavior_is_known() {
     let again = || {
         Scenario::with_control()
             .link(3000, false)

@@ -221,7 +221,7 @@ fn sr_002_a_zone_that_is_open_by_one_of_the_two_clocks_counts_as_open() {
         }
         trial.run_for(10.0);
     }
-    let apart = last.expect("the two clocks come to differ in their answer").unwrap();
+    let apart = last.expect("the two clocks give different answers in the end").unwrap();
     assert!(
         apart.abs_diff(Duration::from_secs(30)) < Duration::from_millis(100),
         "{apart:?}"

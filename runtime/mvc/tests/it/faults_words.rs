@@ -1,5 +1,5 @@
 //! Faults of the navigation messages (SPI 6.1, 6.2): the vehicle is well, but its messages are wrong.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_mvc::Truth;
 

@@ -63,7 +63,7 @@ fn spi_ours(line: &str) -> Option<(u64, Ours)> {
         Some(time) if sentence.name() != "BPLOG" => time_of(time)?,
         Some(_) | None => 0,
     };
-    #[expect(clippy::wildcard_enum_match_arm, reason = "what no rule looks into")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no rule uses the others")]
     let asks = match message {
         ToVehicle::TopsideText(_) => Ours::Topside,
         ToVehicle::DvlTriggerRequest(it) => Ours::DvlTrigger {
@@ -152,7 +152,7 @@ fn time_of(field: &str) -> Option<u64> {
 /// What the oracle reads in a sentence of ours.
 fn oracle_ours(line: &str) -> Option<(u64, Ours)> {
     let Request { created, asks, .. } = read_ours(line.trim_end_matches('\n').as_bytes()).ok()?;
-    #[expect(clippy::wildcard_enum_match_arm, reason = "what has no place")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the others have no position")]
     let asks = match asks {
         Ours::Trackline(line) => Ours::Trackline(Trackline {
             start: rounded(line.start),
@@ -183,7 +183,7 @@ fn spi_heard(line: &str) -> Option<Heard> {
     }
     let id = |identifier: Option<BehaviorId>| identifier.map(BehaviorId::get);
     let mut times = Vec::new();
-    #[expect(clippy::wildcard_enum_match_arm, reason = "what no rule needs")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no rule needs the others")]
     let text = match FromVehicle::decode(&sentence).ok()? {
         FromVehicle::MissionCommand(it) => format!("command {:?}", it.text.as_str()),
         FromVehicle::Shutdown(_) => "shutdown".to_owned(),

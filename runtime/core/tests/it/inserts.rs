@@ -1,7 +1,6 @@
 use std::time::Duration;
 
-use backseat_core::plugin::Failure;
-use backseat_core::plugin::{Event, Request, RequestState, TracklineRequest};
+use backseat_core::plugin::{Event, Failure, Request, RequestState, TracklineRequest};
 use backseat_core::{Identifiers, Limits, Start};
 use backseat_spi::{AckStatus, CircleEntry, Interrupt, ToVehicle};
 use backseat_units::EastNorth;
@@ -11,21 +10,18 @@ use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
 fn begin(trial: &mut Trial, identifier: u32) {
-    let now = trial.now;
-    trial.vehicle.begin(now, None, Some(identifier));
+    trial.vehicle.begin(trial.now, None, Some(identifier));
     trial.run_for(0.3);
 }
 
 fn end(trial: &mut Trial, identifier: u32) {
-    let now = trial.now;
-    trial.vehicle.end(now, None, Some(identifier));
+    trial.vehicle.end(trial.now, None, Some(identifier));
     trial.run_for(0.3);
 }
 
 /// The vehicle goes on with its plan.
 fn goes_on(trial: &mut Trial) {
-    let now = trial.now;
-    trial.vehicle.begin(now, Some(1), None);
+    trial.vehicle.begin(trial.now, Some(1), None);
     trial.run_for(0.3);
 }
 

@@ -8,6 +8,7 @@ mod demo;
 mod digest;
 mod explore;
 mod hunt;
+mod mutants;
 mod mutations;
 mod plugins;
 mod reference;
@@ -54,6 +55,8 @@ enum Task {
     Hunt(hunt::Hunt),
     /// Try all short sequences of inputs to core from prepared states, and look for a broken safety requirement
     Explore(explore::Explore),
+    /// Change the code of the safety monitor in one place at a time, and see whether a test notices
+    Mutants(mutants::Mutants),
     /// Fly the same seeds in several processes and builds, and compare the results
     Digest(digest::Digest),
     /// Generate the pages in runtime/docs/reference and the schemas in missions/schemas from runtime/reference/keys
@@ -73,6 +76,7 @@ fn main() -> ExitCode {
         Task::Seeds(arguments) => seeds::seeds(&arguments),
         Task::Hunt(arguments) => hunt::hunt(&arguments),
         Task::Explore(arguments) => explore::explore(&arguments),
+        Task::Mutants(arguments) => mutants::mutants(&arguments),
         Task::Digest(arguments) => digest::digest(&arguments),
         Task::Reference => reference::reference(),
         Task::Tidy => tidy::tidy(),

@@ -25,7 +25,7 @@ pub enum Answer {
     Input,
     /// With [`every_request`].
     EveryRequest,
-    /// With no requests. It asks the fence about each of [`every_request`] and logs the answer.
+    /// With no requests. It asks the fence about each request of [`every_request`] and logs the answers.
     AskFence,
 }
 
@@ -101,7 +101,7 @@ fn said_back(input: &StepInput) -> Vec<Request> {
         .collect()
 }
 
-/// Every kind of request in all its variants, with values that all differ.
+/// Every kind of request in all its variants. All values differ, so that none can be mistaken for another.
 #[must_use]
 pub fn every_request() -> Vec<Request> {
     let position = |latitude, longitude| Position { latitude, longitude };

@@ -3,9 +3,10 @@ use serde::{Deserialize, Serialize};
 
 /// The memory of the estimate, seconds.
 const MEMORY_S: f64 = 30.0;
-/// In faster turns the vehicle slips sideways, which is not a current, degrees per second.
+/// The fastest turn in which samples are used, degrees per second. In faster turns the vehicle slips sideways, which
+/// looks like a current.
 const TURN_MAX_DPS: f64 = 4.0;
-/// A stronger current is an error in the data, metres per second.
+/// The strongest current that is believed, metres per second. A stronger one is an error in the data.
 const CURRENT_MAX_MPS: f64 = 1.5;
 
 /// Estimates the current as velocity over ground minus velocity through the water, low-pass filtered.

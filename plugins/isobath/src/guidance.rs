@@ -3,7 +3,7 @@ use backseat_sdk::units::math::{atan, hypot, wrap_360};
 
 use crate::seabed::Estimate;
 
-/// On a flatter seabed the direction of the contour is too uncertain to steer by, metres per metre.
+/// The least slope to steer by, metres per metre. On a flatter seabed the direction of the contour is too uncertain.
 const SLOPE_MIN: f64 = 0.004;
 /// How far ahead the contour's direction is taken, as seconds of travel, to make up for the lag of the vehicle's turn.
 const LEAD_S: f64 = 4.0;

@@ -126,8 +126,8 @@ impl Area {
         )
     }
 
-    /// A lawnmower pattern: parallel lines at most `spacing_m` apart, the outer ones half of that from the long sides.
-    /// It begins at the corner closest to `from`.
+    /// A lawnmower pattern: parallel lines at most `spacing_m` apart; the outer lines lie half of that distance from
+    /// the long sides. It begins at the corner closest to `from`.
     #[must_use]
     pub fn lawnmower(&self, spacing_m: f64, from: EastNorth) -> Vec<Line> {
         // At most 2000, because the configuration is validated.

@@ -98,7 +98,7 @@ pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
     })
 }
 
-/// The root mean square error of a fit where it is not low.
+/// The root mean square error of a fit, at the bins where its shape is above a tenth of its peak.
 fn misfit(fit: &Gaussian, bins: &[Bin]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for bin in bins {

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 const SECOND_NS: u64 = 1_000_000_000;
 /// How many fixes are kept to locate samples: enough for the latest sample.
 const FIXES_MAX: usize = 64;
-/// How far beyond the newest fix its velocity is used.
+/// For how long after the newest fix its velocity is used.
 const BEYOND_NS: u64 = 2 * SECOND_NS;
-/// Between two fixes farther apart than this the path is unknown.
+/// The longest time between two fixes. The path between fixes farther apart is unknown.
 const GAP_NS: u64 = 10 * SECOND_NS;
 /// A bin is complete with this many samples, or at this length or time.
 const BIN_SAMPLES: u32 = 10;

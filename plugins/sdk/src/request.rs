@@ -20,8 +20,8 @@ pub fn is_plain(text: &str) -> bool {
 }
 
 impl Request {
-    /// The request's own tag, which its outcomes carry. `None` for a request without outcomes, and for a cancel, which
-    /// carries the tag of the request to cancel.
+    /// The request's own tag, which its outcomes carry too. `None` for a request without outcomes, and for a cancel,
+    /// which carries the tag of the request to cancel.
     #[must_use]
     pub const fn tag(&self) -> Option<u64> {
         match self {
@@ -45,8 +45,7 @@ impl Request {
 
 impl Packet {
     /// Splits data into a packet of frames of `frame_bytes` bytes each; the last frame may be shorter. Returns `None`
-    /// if
-    /// `data` is empty, if `frame_bytes` is 0 or above [`FRAME_BYTES`], or if more than [`FRAMES`] frames would be
+    /// if `data` is empty, if `frame_bytes` is 0 or above [`FRAME_BYTES`], or if more than [`FRAMES`] frames would be
     /// needed.
     #[must_use]
     pub fn of(tag: u64, destination: u32, mode: i32, data: &[u8], frame_bytes: usize) -> Option<Self> {

@@ -29,7 +29,7 @@ pub struct HoldHeading {
 
 /// The time from one step to the next.
 const PERIOD_NS: u64 = 1_000_000_000;
-/// How long a request lasts. It is longer than the period, so that the request does not lapse if one step is late.
+/// How long a request lasts. This is longer than the period, so that the request does not lapse if one step is late.
 const STANDS_NS: u64 = 3 * PERIOD_NS;
 
 impl Plugin for HoldHeading {

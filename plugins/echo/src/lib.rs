@@ -78,7 +78,7 @@ impl Plugin for Echo {
             Answer::AskFence => {
                 for request in every_request() {
                     match fence::check(&request) {
-                        Ok(metres) => log::info!("holds by {metres} m"),
+                        Ok(metres) => log::info!("inside, with {metres} m to spare"),
                         Err(refusal) => log::info!("{:?}: {:?} m, {}", refusal.rule, refusal.missing_m, refusal.text),
                     }
                 }
@@ -253,7 +253,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_input_of_any_length_is_said_back_whole() {
+    fn an_input_of_any_length_is_echoed_whole() {
         let input = StepInput {
             events: vec![backseat_sdk::Event::MissionCommand("x".repeat(20_000))],
             ..StepInput::default()

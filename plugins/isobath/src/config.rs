@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_table_is_enough_and_deep_water_has_its_side() {
+    fn the_required_keys_suffice_and_say_on_which_side_deep_water_is() {
         let config = parse(SMALL).unwrap();
         assert_eq!(config.validate(), Ok(()));
         assert_eq!(config.deep_side(), 1.0);
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_by_key_and_range() {
+    fn an_invalid_value_is_refused_with_its_key_and_range() {
         assert_eq!(refusal("30.0", "-3.0"), "contour_m is -3: expected above 0 to 6000 m");
         assert_eq!(refusal("12.0", "31.0"), "depth_m is 31: expected less than contour_m");
         assert_eq!(refusal("1.5", "9.0"), "speed_mps is 9: expected 0.3 to 3 m/s");

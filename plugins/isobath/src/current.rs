@@ -70,7 +70,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_heading_makes_the_course_good(
+        fn the_heading_leads_to_the_course(
             east in -0.3..0.3f64, north in -0.3..0.3f64, heading in 0.0..360.0f64, course in 0.0..360.0f64,
         ) {
             let mut current = CurrentEstimate::default();
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_and_nonsense_are_no_current() {
+    fn turns_and_invalid_samples_do_not_change_the_current() {
         let mut current = CurrentEstimate::default();
         current.measure(0.0, 1.5, (0.5, 1.5), 9.0, 0.5);
         current.measure(0.0, 1.5, (9.0, 1.5), 0.0, 0.5);

@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn on_the_contour_it_goes_along_with_deep_water_on_its_side() {
+    fn on_the_contour_it_follows_it_with_deep_water_on_the_given_side() {
         assert!((guidance(1.0).aim(&south(30.0)).course_deg - 90.0).abs() < 1e-9);
         assert!((guidance(-1.0).aim(&south(30.0)).course_deg - 270.0).abs() < 1e-9);
     }
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bend_is_turned_into_before_it_is_reached() {
+    fn it_turns_before_it_reaches_a_bend() {
         // The gradient turns from south to south-east towards the east, so the contour bends to the left.
         let bend = Estimate {
             bend_per_m: [1e-4, 0.0, 0.0],

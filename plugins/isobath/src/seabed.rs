@@ -210,7 +210,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_plane_is_found_whatever_was_assumed(
+        fn a_plane_is_found_whatever_slope_was_assumed(
             slope in 0.015..0.07f64, toward in 0.0..360.0f64, assumed in 0.0..360.0f64,
         ) {
             let gradient = EastNorth::default().offset(toward, slope);
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn outliers_are_left_out_but_a_step_of_the_seabed_is_believed() {
+    fn outliers_are_left_out_but_a_step_of_the_seabed_is_followed() {
         let mut seabed = Seabed::new(0.03, 0.0, 40.0);
         let at = run(&mut seabed, |at| 30.0 + 0.03 * at.north_m, 100);
         let before = seabed.estimate().unwrap();
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_straight_run_keeps_a_slope_across() {
+    fn a_straight_run_keeps_the_slope_across_it() {
         // Plain forgetting would lose it, and make the matrix singular.
         let mut seabed = Seabed::new(0.04, 0.0, 40.0);
         for index in 0..4000 {
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_not_measured() {
+    fn invalid_samples_are_not_used() {
         let mut seabed = Seabed::new(0.03, 0.0, 40.0);
         assert!(!seabed.measure(EastNorth::default(), f64::NAN));
         assert!(!seabed.measure(EastNorth::new(f64::INFINITY, 0.0), 3.0));

@@ -206,7 +206,7 @@ mod tests {
             prop_assert!(nearest_m <= spacing / 2.0 + 1e-6);
             prop_assert!(lines.iter().all(|line| area.contains(line.start, 1e-6) && area.contains(line.end, 1e-6)));
             for pair in lines.windows(2) {
-                prop_assert!(pair[0].end.distance_m(pair[1].start) <= spacing + 1e-6, "no way back");
+                prop_assert!(pair[0].end.distance_m(pair[1].start) <= spacing + 1e-6, "a line begins where the last one ended");
             }
             let corner_m = lines[0].start.distance_m(area.point(300.0, -250.0));
             prop_assert!(corner_m <= spacing / 2.0 + 1e-6);
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_shortened_only_so_far() {
+    fn a_line_is_not_shortened_below_its_least_length() {
         let line = Line {
             start: EastNorth::new(0.0, 0.0),
             end: EastNorth::new(200.0, 0.0),

@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_packet_has_no_more_frames_than_there_are() {
+    fn a_packet_has_at_most_eight_frames() {
         let packet = Packet::of(1, 2, 0, &[7; 70], 32).unwrap();
         let lengths: Vec<usize> = packet.frames.iter().map(Vec::len).collect();
         assert_eq!(lengths, [32, 32, 6]);
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn only_plain_text_can_stand_in_a_sentence() {
+    fn only_plain_text_can_be_sent_in_a_sentence() {
         assert!(is_plain("depth 12.5 m: steady"));
         for text in ["12,5", "a*4E", "$BPABT", "two\nlines", "caf\u{e9}", &"x".repeat(257)] {
             assert!(!is_plain(text), "{text}");

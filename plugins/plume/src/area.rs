@@ -206,7 +206,7 @@ mod tests {
             prop_assert!(nearest_m <= spacing / 2.0 + 1e-6);
             prop_assert!(lines.iter().all(|line| area.contains(line.start, 1e-6) && area.contains(line.end, 1e-6)));
             for pair in lines.windows(2) {
-                prop_assert!(pair[0].end.distance_m(pair[1].start) <= spacing + 1e-6, "a line begins where the last one ended");
+                prop_assert!(pair[0].end.distance_m(pair[1].start) <= spacing + 1e-6, "the lines are far apart");
             }
             let corner_m = lines[0].start.distance_m(area.point(300.0, -250.0));
             prop_assert!(corner_m <= spacing / 2.0 + 1e-6);

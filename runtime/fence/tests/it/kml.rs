@@ -1,5 +1,5 @@
 //! KML whose misspelt or misplaced parts would make the fence laxer is refused; what real programs write is read.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_fence::{Fence, Terms};
 
@@ -11,7 +11,7 @@ const TERMS: Terms = Terms {
     surfacing: true,
 };
 
-/// A line each for all that is replaced below.
+/// A document with a line for each part that the tests replace.
 const KML: &str = r#"<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2">
 <Document>
 <Folder>
@@ -42,7 +42,7 @@ fn refused(text: &str) -> String {
     error
 }
 
-/// The document with a part replaced, throughout, is refused with a message that begins so.
+/// Checks that the document with a part replaced throughout is refused with a message that begins like this.
 #[track_caller]
 fn refused_with(cases: &[(&str, &str, &str)]) {
     for (from, to, message) in cases {
@@ -59,16 +59,16 @@ fn read_with(from: &str, to: &str) -> Fence {
 }
 
 #[test]
-fn the_document_is_read_as_it_stands() {
+fn the_unchanged_document_is_accepted() {
     let fence = Fence::from_kml(KML, &TERMS).unwrap();
     let zone = fence.zones().next().unwrap();
     assert_eq!((zone.name(), zone.margin_m()), ("box", 90.0));
     assert_eq!(zone.window().to_string(), "from 2026-05-01T08:00:00Z");
 }
 
-/// Those of its elements whose loss would change the fence.
+/// The elements whose loss would change the fence.
 #[test]
-fn a_misspelt_element_is_refused_wherever_it_stands() {
+fn a_misspelt_element_is_refused_everywhere() {
     for name in [
         "kml",
         "Document",
@@ -297,7 +297,7 @@ fn no_time_is_lost() {
             "line 4 placemark 'box': `valid_from` given twice",
         ),
     ]);
-    // A placemark has the time of its folder.
+    // A time of a folder would apply to its placemarks.
     for (parent, line) in [("Folder", 3), ("Document", 2)] {
         for time in ["TimeSpan", "TimeStamp"] {
             let start = format!("<{parent}>");
@@ -357,7 +357,7 @@ fn no_property_is_lost() {
             "line 7: text `margin_m=900` in <ExtendedData>, expected <Data>",
         ),
     ]);
-    // An empty column is an absent one.
+    // An empty column counts as absent.
     for value in ["<value/>", "<value> </value>"] {
         let fence = read_with(margin, value);
         assert_eq!(fence.zones().next().unwrap().margin_m(), 10.0);
@@ -365,7 +365,7 @@ fn no_property_is_lost() {
 }
 
 #[test]
-fn nothing_lies_outside_of_the_root_element() {
+fn text_outside_of_the_root_element_is_refused() {
     for (text, message) in [
         (
             format!("fence\n{KML}"),
@@ -393,7 +393,7 @@ fn nothing_lies_outside_of_the_root_element() {
     assert!(Fence::from_kml(&framed, &TERMS).is_ok());
 }
 
-/// A document as Google Earth writes it: views and styles, those of its web version too, and a tour.
+/// A document as Google Earth writes it: with views, styles (also those of its web version) and a tour.
 #[test]
 fn a_document_of_google_earth_is_read() {
     let text = r##"<?xml version="1.0" encoding="UTF-8"?>
@@ -465,7 +465,7 @@ fn a_document_of_google_earth_is_read() {
     assert_eq!(names, ["box", "wreck"]);
 }
 
-/// A layer as QGIS writes it through GDAL: a schema, a column for each attribute, many of them empty.
+/// A layer as QGIS writes it through GDAL: with a schema, and a column for each attribute, of which many are empty.
 #[test]
 fn a_layer_of_qgis_is_read() {
     let text = r##"<?xml version="1.0" encoding="utf-8" ?>

@@ -11,6 +11,7 @@
 mod catalogue;
 mod checksum;
 mod device;
+pub mod file;
 mod frame;
 mod layout;
 mod network;

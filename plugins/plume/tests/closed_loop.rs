@@ -129,7 +129,7 @@ fn failures_and_passing_refusals_are_tried_again_a_bounded_number_of_times() {
         2 => Some(State::TimedOut),
         3 => Some(State::Rejected(Refusal::new(
             Rule::Plan,
-            "the vehicle's plan is not known",
+            "plan unknown: cannot check the way to the insert",
         ))),
         _ => None,
     };

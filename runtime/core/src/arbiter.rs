@@ -1,5 +1,5 @@
-//! Who steers: one plugin at a time, by a modify or by keeping station, the one of higher priority before the other, and
-//! nobody for longer than the mission lets it (safety requirement 019).
+//! Who steers: one plugin at a time, by a modify or by station keeping. Plugins of higher priority come first, and no
+//! plugin steers for longer than the mission lets it (safety requirement 019).
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ pub(crate) enum LeaseKind {
     Station,
 }
 
-/// Who has a lease, and since when without a pause.
+/// Who has a lease, and since when without a break.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Helm {
@@ -25,13 +25,13 @@ struct Helm {
     since: Timestamp,
 }
 
-/// Who steers, and how long each plugin has.
+/// Who steers, and how long each plugin has steered.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Arbiter {
     modify: Option<Helm>,
     station: Option<Helm>,
-    /// How long each plugin has steered, the lease that stands left out.
+    /// How long each plugin has steered, without its current lease.
     steered: Vec<Duration>,
 }
 
@@ -49,7 +49,8 @@ impl Arbiter {
         self.modify.is_some() || self.station.is_some()
     }
 
-    /// Whether a plugin may have a lease beside those that stand: the first of the mission file has the highest priority.
+    /// Whether a plugin may take a lease beside the current ones. The first plugin of the mission file has the highest
+    /// priority.
     pub(crate) fn arbitrate(&self, plugin: PluginId, kind: LeaseKind) -> Result<(), Refusal> {
         let steers = (self.modify, Reason::OtherSteers);
         let keeps = (self.station, Reason::OtherKeepsStation);
@@ -65,7 +66,7 @@ impl Arbiter {
         Ok(())
     }
 
-    /// A plugin takes a lease, its own again or another's.
+    /// A plugin takes a lease: its own again, or another plugin's.
     pub(crate) fn take(&mut self, now: Timestamp, plugin: PluginId, kind: LeaseKind) {
         let before = *self.of(kind);
         let since = match before {
@@ -85,7 +86,8 @@ impl Arbiter {
         }
     }
 
-    /// Whether a plugin may steer for so much longer, `most` in all: a lease of its counts until now, and then anew.
+    /// Whether a plugin may steer for `duration` from now on without exceeding `most` in all. A current lease of the plugin
+    /// counts up to now.
     pub(crate) fn cap(
         &self,
         now: Timestamp,

@@ -1,5 +1,5 @@
-//! Each thing that can be asked of the vehicle: a type with a state of its own, and the hooks by which the rest tells it of
-//! answers, time, a lost link, lost control and a failed plugin.
+//! The capabilities: a type for each kind of request to the vehicle. Each has private state, and hooks through which
+//! the rest of core reports answers, time, a lost link, lost control and a failed plugin.
 
 pub(crate) mod acoustic;
 pub(crate) mod adjustment;
@@ -35,19 +35,19 @@ use crate::session::dispatch::Dispatch;
 /// A request that has passed every check.
 #[derive(Debug)]
 pub(crate) enum Checked<'a> {
-    /// A modify may stand.
+    /// A modify, with what its refreshes send.
     Modify(&'a ModifyRequest, Setpoint),
-    /// Station keeping may stand.
+    /// Station keeping, with what it sends.
     Station(&'a StationRequest, Hover),
-    /// An insert may leave.
+    /// An insert that may leave now.
     Insert(Dispatch, Insert, Admitted),
-    /// An insert with this tag may leave once the vehicle has answered.
+    /// An insert that may leave once the vehicle has answered, with its tag.
     Waits(u64, Insert),
-    /// One command is all of it.
+    /// A request that is one command.
     Command(Dispatch),
 }
 
-/// All of them.
+/// All capabilities.
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Capabilities {
     pub(crate) modify: Modify,
@@ -74,21 +74,21 @@ impl Capabilities {
         }
     }
 
-    /// Ends what lasts only while it is refreshed: the modify, the station keeping.
+    /// Ends the leases: the modify and the station keeping.
     pub(crate) fn end_leases(&mut self, cx: &mut Context, end: impl Into<Ended>) {
         let end = end.into();
         self.modify.end(cx, end.clone());
         self.station.end(cx, end);
     }
 
-    /// Ends all that needs control: the leases, and the DVL's triggering.
+    /// Ends everything that needs control: the leases, and the triggering of the DVL.
     pub(crate) fn end_controlled(&mut self, cx: &mut Context, end: impl Into<Ended>) {
         let end = end.into();
         self.end_leases(cx, end.clone());
         self.dvl.end(cx, end);
     }
 
-    /// The connection is gone; the leases have ended by it.
+    /// The connection is lost. The caller has already ended the leases.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
         self.station.reset();
         self.silent.link_lost(cx);
@@ -97,7 +97,8 @@ impl Capabilities {
         self.dvl.link_lost(cx);
     }
 
-    /// A plugin has failed: its leases end, its triggering too, and what waits of its does not leave.
+    /// A plugin has failed: ends its leases and its triggering of the DVL, and rejects its inserts that wait to be
+    /// sent.
     pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
         if is_on(Check::PluginFailure) {
             self.modify.plugin_failed(cx, plugin);
@@ -107,10 +108,11 @@ impl Capabilities {
         self.inserts.plugin_failed(cx, plugin);
     }
 
-    /// Who steers beside a request: one plugin at a time.
+    /// Whether a plugin may steer: only one does at a time.
     ///
     /// # Errors
-    /// Where another plugin comes before it, or the vehicle has just refused to be steered.
+    /// If a plugin of higher priority steers, or during the pause after a BPRMB that the vehicle refused or did not
+    /// answer.
     pub(crate) fn arbitrate(&self, cx: &Context, plugin: PluginId, asked: &Request) -> Result<(), Refusal> {
         let kind = match asked {
             Request::Modify(_) => {
@@ -139,10 +141,10 @@ impl Capabilities {
         cx.arbiter.arbitrate(plugin, kind)
     }
 
-    /// The state of what is asked for, its figures, and its whole geometry against the fence.
+    /// Checks the state that a request needs, its figures, and its whole geometry against the fence.
     ///
     /// # Errors
-    /// The first of these that does not hold.
+    /// The first of these checks that fails.
     pub(crate) fn check<'a>(
         &mut self,
         cx: &mut Context,
@@ -175,7 +177,7 @@ impl Capabilities {
         dispatch.map(Checked::Command)
     }
 
-    /// The same of an insert, when it is asked for and once more when it has waited.
+    /// Does the same for an insert: when it is requested, and again after it has waited for the vehicle's answer.
     pub(crate) fn check_insert(
         &mut self,
         cx: &mut Context,
@@ -192,7 +194,7 @@ impl Capabilities {
         Ok(Checked::Insert(dispatch, insert, admitted))
     }
 
-    /// A request's command has left.
+    /// A request's command was sent.
     pub(crate) fn sent(
         &mut self,
         cx: &mut Context,
@@ -213,7 +215,7 @@ impl Capabilities {
     }
 }
 
-/// What is no request of its own never comes to a check.
+/// The refusal of a request that is handled elsewhere, and so never reaches the check.
 fn not_asked() -> Refusal {
     Reason::NotOfItsOwn.into()
 }

@@ -29,8 +29,8 @@ use crate::timer::Timers;
 use crate::vehicle::Vehicle;
 use crate::vehicle::phase::Phase;
 
-/// What every capability is given, and never `Core`: the time, what is known of the vehicle, the monitor, the ledger and
-/// the ways out.
+/// What every capability receives, instead of `Core`: the time, what core believes of the vehicle, the monitor, the
+/// ledger and the outputs.
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Context {
     pub(crate) now: Timestamp,
@@ -75,7 +75,7 @@ impl Context {
         }
     }
 
-    /// What the vehicle may do next, as far as can be known.
+    /// What the vehicle may do next, as far as core can know.
     pub(crate) const fn outlook(&self) -> Outlook<'_> {
         Outlook {
             now: self.now,
@@ -93,17 +93,17 @@ impl Context {
         self.outbox.note(note);
     }
 
-    /// As [`Context::note`], of what the vehicle has said: so many a second, the rest is counted.
+    /// As [`Context::note`], for what the vehicle has said: so many a second; the rest is only counted.
     pub(crate) fn note_of_vehicle(&mut self, note: Note) {
         self.outbox.note_of_vehicle(self.now, note);
     }
 
-    /// Our UTC now, by the clock of the start: for stamps, and for what is measured with them.
+    /// Our UTC now, by the clock of the start: for stamps, and for what core measures with them.
     pub(crate) fn utc(&self) -> Utc {
         self.stamper.utc(self.now)
     }
 
-    /// Our UTC at a time, as the computer has it now: for zones that are valid for a time.
+    /// Our UTC at a time, by the computer's clock as it is set now: for zones that are valid for a limited time.
     pub(crate) fn zone_utc(&self, at: Timestamp) -> Utc {
         self.stamper.zone_utc(at)
     }
@@ -113,13 +113,13 @@ impl Context {
         self.vehicle.navigation.heard(self.now, utc, created);
     }
 
-    /// When something of the vehicle's time was, on our clock; never later than now.
+    /// Converts a time on the vehicle's clock to ours; never later than now.
     pub(crate) fn when(&self, written: TimeOfDay) -> Timestamp {
         let age = self.vehicle.navigation.clock().age(self.now, self.utc(), written);
         self.now - age.unwrap_or_default()
     }
 
-    /// What the gate is asked with when a message is about to leave.
+    /// What the gate needs to decide whether a message may be sent.
     fn gate(&self, message: &ToVehicle) -> Gate<'_> {
         let is_own =
             |identifier| self.identifiers.is_ours(identifier) || self.vehicle.previous_run.includes(identifier);

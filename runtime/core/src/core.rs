@@ -31,8 +31,8 @@ use crate::session::commands::Answer;
 use crate::settings::{PluginSetup, Settings};
 use crate::timer::Timer;
 
-/// Called later than this after the promised time, every lease ends before anything else is done: what we know of the
-/// vehicle is old, and so is what it knows of us.
+/// If core is called later than this after the time of [`Core::poll_timeout`], it ends every lease before it does
+/// anything else: what it knows of the vehicle is old, and so is what the vehicle knows of us.
 const LATE: Duration = Duration::from_millis(500);
 
 /// The backseat's state machine.
@@ -46,15 +46,15 @@ pub struct Core {
     orders: Orders,
     session: Session,
     late_count: u64,
-    /// The flaw of navigation that was last told, and when.
+    /// The flaw of navigation that was last reported, and when.
     flaw_told: Option<(EndCause, Timestamp)>,
     whereabouts: Whereabouts,
-    /// Navigation has come that nothing has been held against.
+    /// Navigation has come by which the modify and the station keeping have not been judged yet.
     unjudged: bool,
 }
 
 impl Core {
-    /// A core that has not yet heard of anything. Its first output connects.
+    /// A core that has received no input yet. Its first output asks for a connection.
     #[must_use]
     pub fn new(settings: Settings, envelope: Arc<Envelope>, plugins: Vec<PluginSetup>, start: Start) -> Self {
         let mut core = Self {
@@ -76,7 +76,7 @@ impl Core {
         core
     }
 
-    /// Something has happened. `now` never runs backwards; a smaller one is taken for the last.
+    /// Handles something that has happened. If `now` is earlier than at the last call, core takes the last call's.
     pub fn handle(&mut self, now: Timestamp, input: Input<'_>) {
         let promised = self.cx.timers.next();
         self.cx.now = self.cx.now.max(now);
@@ -110,7 +110,7 @@ impl Core {
         self.settle();
     }
 
-    /// What is to be done, oldest first; `None` until something happens again.
+    /// The next thing that the driver has to do, oldest first; `None` if there is nothing until the next input.
     #[must_use]
     pub fn poll_output(&mut self) -> Option<Output> {
         self.cx.outbox.pop()
@@ -122,7 +122,7 @@ impl Core {
         self.cx.timers.next()
     }
 
-    /// How many requests have come how far.
+    /// How many requests have reached which state.
     #[must_use]
     pub fn request_counts(&self) -> RequestCounts {
         self.cx.ledger.counts()
@@ -140,19 +140,19 @@ impl Core {
         self.cx.vehicle.navigation.newest()
     }
 
-    /// Whether a lease stands, a modify or station keeping.
+    /// Whether a lease is active: a modify or station keeping.
     #[must_use]
     pub fn is_steering(&self) -> bool {
         self.cx.arbiter.is_steering()
     }
 
-    /// How many requests are not at their end.
+    /// How many requests have not ended.
     #[must_use]
     pub fn open_requests(&self) -> usize {
         self.cx.ledger.iter().count()
     }
 
-    /// The requests that are not at their end, each in words.
+    /// The requests that have not ended, each in words.
     #[must_use]
     pub fn open_request_states(&self) -> Vec<String> {
         self.cx
@@ -162,7 +162,8 @@ impl Core {
             .collect()
     }
 
-    /// What was used of the reservations, for who follows this core in order; `None` where there was none.
+    /// How much of the reservations was used. After an orderly end, the next process continues from there. `None` if
+    /// nothing was reserved.
     #[must_use]
     pub fn used(&self) -> Option<Reservation> {
         self.cx.identifiers.used()
@@ -174,8 +175,8 @@ impl Core {
         self.late_count
     }
 
-    /// The computer's clock was set. Stamps stay on the clock of the start, or answers would seem to come from another time;
-    /// zones follow.
+    /// This computer's clock was set. Stamps stay on the clock of the start, because answers would otherwise seem to
+    /// come from another time. Zones that are valid for a limited time follow the new clock.
     fn utc_set(&mut self, by_nanos: i64) {
         let step_s = self.cx.stamper.set(by_nanos);
         self.cx.note(Note::Text {
@@ -185,7 +186,7 @@ impl Core {
         self.unjudged = true;
     }
 
-    /// Brings what follows from the state up to date: control, and when to wake.
+    /// Updates what follows from the state: control, the inserts that wait, and the timers.
     fn settle(&mut self) {
         self.settle_control();
         self.follow_navigation();
@@ -201,12 +202,14 @@ impl Core {
             .timers
             .set_or_stop(Timer::Acknowledgement, self.cx.link.commands.next_deadline());
         self.session.settle_heartbeat(&mut self.cx);
-        // What was due while a plugin was busy or away is due now; nobody has promised to be here earlier.
+        // A step that was due while its plugin was busy or away is due now. With a time in the past, core would find
+        // itself called late.
         let plugins = self.cx.plugins.wakes_at().map(|due| due.max(self.cx.now));
         self.cx.timers.set_or_stop(Timer::Plugins, plugins);
     }
 
-    /// Control is gained and lost by what has become known: tells of it and ends the lease.
+    /// Gains or loses control by what core knows now. Reports the change, and ends what needs control if control is
+    /// lost.
     pub(crate) fn settle_control(&mut self) {
         if self.cx.vehicle.navigation.fresh(self.cx.now).is_none() {
             self.cx.vehicle.navigation.unsettle();
@@ -233,7 +236,7 @@ impl Core {
         match timer {
             Timer::Refresh => self.capabilities.modify.refresh(&mut self.cx),
             Timer::Term => self.capabilities.modify.end(&mut self.cx, EndCause::TermOver),
-            // What follows from navigation's age is drawn in `settle`.
+            // `settle` acts on the age of navigation.
             Timer::Navigation => {}
             Timer::Acknowledgement => {
                 while let Some(command) = self.cx.link.commands.late(self.cx.now) {
@@ -243,9 +246,9 @@ impl Core {
             Timer::Silence => self.session.silence(&mut self.cx),
             Timer::Plan => self.session.ask_for_plan(&mut self.cx),
             Timer::Status => self.session.beat(&mut self.cx),
-            // What waits is looked at in `settle`.
+            // `settle` handles what waits.
             Timer::Irrevocable => {}
-            // That no round trip speaks for the link any more is drawn in `settle`.
+            // `settle` takes control away if no recent round trip is left.
             Timer::Heartbeat => self.session.remedy(&mut self.cx),
             Timer::StationTerm => self.capabilities.station.end(&mut self.cx, EndCause::TermOver),
             Timer::Station => self.capabilities.station.refresh(&mut self.cx),

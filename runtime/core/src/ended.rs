@@ -1,4 +1,4 @@
-//! Why a request is over that had been sent: data that ledger, log and plugins carry whole.
+//! Why a request that was sent has ended, as data that ledger, log and plugins carry whole.
 
 use std::fmt;
 
@@ -20,19 +20,19 @@ macro_rules! causes {
             /// All of them.
             pub const ALL: &[Self] = &[$(Self::$cause),*];
 
-            /// As logs and plugins name it, in lower case with hyphens.
+            /// Its name in logs and for plugins, in lower case with hyphens.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$cause => $name,)* }
             }
 
-            /// What kind of end it is.
+            /// The kind of this end.
             #[must_use]
             pub const fn kind(self) -> EndKind {
                 match self { $(Self::$cause => EndKind::$kind,)* }
             }
 
-            /// In one line.
+            /// The cause in one line.
             #[must_use]
             pub const fn text(self) -> &'static str {
                 match self { $(Self::$cause => $text,)* }
@@ -74,42 +74,42 @@ causes! {
     PluginFailed "plugin-failed" Plugin "its plugin failed";
     NavigationJumped "navigation-jumped" Navigation "navigation jumped";
     NavigationStale "navigation-stale" Navigation "navigation is stale";
-    VelocityTooHigh "velocity-too-high" Navigation "the velocity is more than any vehicle's";
-    VerticalVelocityTooHigh "vertical-velocity-too-high" Navigation "the vertical velocity is more than any vehicle's";
+    VelocityTooHigh "velocity-too-high" Navigation "the velocity is higher than any vehicle's";
+    VerticalVelocityTooHigh "vertical-velocity-too-high" Navigation "the vertical velocity is higher than any vehicle's";
     PositionFrozen "position-frozen" Navigation "the position is frozen";
     PositionAgainstVelocity "position-against-velocity" Navigation "position and velocity disagree";
     PositionTooFast "position-too-fast" Navigation "the position moves faster than any vehicle";
-    DepthTooFast "depth-too-fast" Navigation "the depth changes faster than any vehicle's";
+    DepthTooFast "depth-too-fast" Navigation "the depth changes faster than that of any vehicle";
     DepthAgainstVelocity "depth-against-velocity" Navigation "depth and vertical velocity disagree";
     HeadingAgainstYawRate "heading-against-yaw-rate" Navigation "heading and yaw rate disagree";
-    SeabedJumps "seabed-jumps" Navigation "depth and altitude tell of another seabed";
+    SeabedJumps "seabed-jumps" Navigation "the seabed, as depth plus altitude, jumps";
     VelocitiesMissing "velocities-missing" Navigation "navigation comes without velocities";
     NavigationReset "navigation-reset" Navigation "an external source resets the vehicle's navigation";
     ClockSet "clock-set" Navigation "the vehicle's clock was set";
     OutsideFence "outside-fence" Fence "recovery: the vehicle is outside the fence";
-    BehaviorBegan "behavior-began" Behavior "a behavior began under it";
-    BehaviorEnded "behavior-ended" Behavior "a behavior ended under it";
+    BehaviorBegan "behavior-began" Behavior "a behavior began during it";
+    BehaviorEnded "behavior-ended" Behavior "a behavior ended during it";
     MissionGoesOn "mission-goes-on" Behavior "a behavior began: the mission goes on";
     Overtaken "overtaken" Behavior "another behavior has begun";
-    Interrupted "interrupted" Behavior "interrupted, and not taken up again";
+    Interrupted "interrupted" Behavior "interrupted and not resumed";
     OtherDive "other-dive" Mission "the vehicle flies another dive";
     MissionNotRunning "mission-not-running" Mission "the mission is not running";
     MissionOver "mission-over" Mission "the mission is over";
     MissionIs "mission-is" Mission "the mission is";
     OperatorEndsMission "operator-ends-mission" Mission "the operator ends the mission";
     EmptyMission "empty-mission" Mission "the operator starts an empty mission";
-    PowerGoes "power-goes" Mission "power goes";
+    PowerGoes "power-goes" Mission "the power is being switched off";
 }
 
-/// What kind of end it is: what a plugin branches on.
+/// The kind of an end. Plugins branch on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EndKind {
-    /// It has done what it was asked for.
+    /// It was completed.
     Done,
     /// Its plugin ended it.
     Asked,
-    /// Another request took its place.
+    /// Another request replaced it.
     Replaced,
     /// Its term is over.
     Term,
@@ -117,43 +117,43 @@ pub enum EndKind {
     Refused,
     /// The vehicle did not answer.
     NotAnswered,
-    /// Somebody came too late: the runtime, or the plugin.
+    /// The runtime or the plugin was too late.
     Late,
     /// It could not be sent.
     Link,
-    /// There is no control any more.
+    /// The backseat no longer has control.
     Control,
-    /// What it asks for no longer holds against the fence, the limits or the state of things.
+    /// It is no longer allowed by the fence, the limits, or the state of the vehicle or of the runtime.
     Refusal,
     /// The vehicle is outside the fence.
     Fence,
     /// Navigation is stale, has jumped, or cannot be true.
     Navigation,
-    /// The vehicle went on to another behavior.
+    /// The vehicle has gone on to another behavior.
     Behavior,
-    /// The mission is over, or is another one.
+    /// The mission has ended or was replaced.
     Mission,
     /// Its plugin failed.
     Plugin,
 }
 
-/// Why a request is over.
+/// Why a request has ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ended {
-    /// By this.
+    /// By this cause.
     By(EndCause),
-    /// By this, and what the vehicle said, or a figure in words.
+    /// By this cause, with the vehicle's words or a figure.
     Said(EndCause, String),
-    /// What it asks for no longer holds.
+    /// It is no longer allowed.
     Refusal(Box<Refusal>),
-    /// There is no control any more.
+    /// The backseat no longer has control.
     Uncontrolled(Uncontrolled),
-    /// The vehicle has reported what became of a packet's frames (BFCPS, SPI 9.4).
+    /// The vehicle has reported what happened to each frame of a packet (BFCPS, SPI 9.4).
     Frames(Vec<FrameOutcome>),
 }
 
-/// What became of a frame of a packet (SPI 9.4).
+/// What happened to a frame of a packet (SPI 9.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FrameOutcome {
@@ -170,7 +170,7 @@ pub enum FrameOutcome {
 }
 
 impl Ended {
-    /// What kind of end it is.
+    /// The kind of this end.
     #[must_use]
     pub const fn kind(&self) -> EndKind {
         match self {
@@ -181,7 +181,7 @@ impl Ended {
         }
     }
 
-    /// The name of what exactly has ended it: a cause's (`term-over`), or what refuses it now (`keep-out`,
+    /// The exact cause: the name of an [`EndCause`] (`term-over`), or of what refuses the request now (`keep-out`,
     /// `link-down`).
     #[must_use]
     pub fn cause(&self) -> &'static str {
@@ -193,7 +193,7 @@ impl Ended {
         }
     }
 
-    /// What became of a packet's frames.
+    /// What happened to each frame of a packet.
     #[must_use]
     pub fn frames(&self) -> &[FrameOutcome] {
         match self {
@@ -266,18 +266,18 @@ impl fmt::Display for FrameOutcome {
     }
 }
 
-/// Why a request failed that had been sent.
+/// Why a request failed after it was sent.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Failure {
-    /// The vehicle has refused it, or has said that it failed; its words.
+    /// The vehicle refused it, or reported that it failed, in these words.
     Vehicle(String),
-    /// The vehicle's plan, asked for when it had decided on it, does not name it.
+    /// The vehicle's plan does not name it, and core asked for that plan after the vehicle must have decided on it.
     NotInPlan,
 }
 
 impl Failure {
-    /// As logs and plugins name it.
+    /// Its name in logs and for plugins.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -301,7 +301,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_unique_and_those_of_the_log() {
+    fn names_are_unique_and_the_same_in_the_log() {
         for cause in EndCause::ALL {
             assert_eq!(serde_json::to_value(cause).unwrap(), cause.name());
             let same = EndCause::ALL.iter().filter(|other| other.name() == cause.name());

@@ -1,4 +1,4 @@
-//! What core keeps of each external source, and what each is told.
+//! What core keeps of each external source, and what it answers.
 
 use std::collections::BTreeMap;
 
@@ -31,16 +31,16 @@ pub(crate) struct Port {
     pub(crate) setup: ExternalSetup,
     #[cfg_attr(feature = "explore", serde(skip))]
     pub(crate) framer: Framer,
-    /// What of `framer`'s counts has been dealt with.
+    /// What of `framer`'s counts has been handled.
     pub(crate) dropped: u64,
-    /// Lines that came to nothing before the ledger, of all causes.
+    /// Lines that were refused before they reached the ledger, for any reason.
     pub(crate) refused: u64,
-    /// How many sentences are left of its rate, and when that was so.
+    /// How many sentences its rate allowed at the time `at`.
     pub(crate) left: f64,
     pub(crate) at: Timestamp,
-    /// Requests that are not at their end: the name and the time under which the external source knows them.
+    /// Open requests: the name and the time by which the external source knows each.
     pub(crate) open: BTreeMap<u64, (CommandName, TimeOfDay)>,
-    /// Counts its requests: the tags of its ledger entries.
+    /// Counts its requests, for the tags of their ledger entries.
     pub(crate) tag: u64,
 }
 
@@ -61,8 +61,8 @@ impl Externals {
         }
     }
 
-    /// An external source's request has come to another state: its end, or that it is pending, is said to it as the
-    /// vehicle would.
+    /// A request of an external source has changed its state. Acknowledges it as the vehicle would, if the new state
+    /// needs an acknowledgement.
     pub(crate) fn tell(&mut self, outbox: &mut Outbox, utc: Utc, source: ExternalId, transition: &Transition) {
         let Some(port) = self.ports.get_mut(source.0) else {
             return;
@@ -95,7 +95,7 @@ impl Externals {
 }
 
 impl Port {
-    /// Takes one of what its rate allows, where one is left.
+    /// Takes one sentence of what the rate allows. False if none is left.
     pub(crate) fn take(&mut self, now: Timestamp) -> bool {
         let bounds = &self.setup.bounds;
         let refilled = now.since(self.at).as_secs_f64() * bounds.rate_max_hz;
@@ -108,8 +108,8 @@ impl Port {
         takes
     }
 
-    /// How many lines have been dropped since the last call because they are no sentences. What the next sentence has
-    /// cut short is not among them: it had no end that could be answered.
+    /// How many lines were dropped since the last call because they are not sentences. Lines that the next sentence cut
+    /// short are not counted: they had no end that could be answered.
     pub(crate) fn dropped(&mut self) -> u64 {
         let FrameCounts {
             sentences: _,
@@ -127,7 +127,7 @@ impl Port {
     }
 }
 
-/// Says to an external source what has become of a command, as the vehicle would.
+/// Acknowledges a command of an external source, as the vehicle would.
 pub(crate) fn acknowledge(
     outbox: &mut Outbox,
     utc: Utc,

@@ -1,5 +1,5 @@
-//! The numbers of inserts and packets: each is on disk as reserved before it leaves, so that a process that follows this
-//! one uses none of them twice and knows how many inserts were sent (safety requirements 009 and 019).
+//! The identifiers of inserts and packets. Each is reserved on disk before it is sent, so the next process uses none of
+//! them again and knows how many inserts were sent (safety requirements 009 and 019).
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -14,22 +14,22 @@ use crate::refusal::Reason;
 
 /// How many identifiers are reserved on disk at a time.
 const RESERVE: u32 = 32;
-/// When so few are left, more are reserved.
+/// When only this many are left, more are reserved.
 const RESERVE_LOW: u32 = 8;
-/// What was not answered is asked for again after this.
+/// How long after an unanswered reservation core asks for it again.
 const ASK_AGAIN: Duration = Duration::from_secs(5);
 
-/// What has been used of the reservations, and what is left.
+/// What is used of the reservations, and what is left.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Identifiers {
-    /// `None` where the state on disk is missing.
+    /// `None` if the state on disk is missing.
     reserved: Option<Reserved>,
     inserts_sent: u32,
     gps_hits_sent: u32,
-    /// Of this process; the mission caps their number.
+    /// The inserts of this process; the mission caps their number.
     sent: BTreeSet<BehaviorId>,
-    /// When the last reservation was asked for that has not been answered.
+    /// When the last unanswered reservation was asked for.
     asked: Option<Timestamp>,
 }
 
@@ -49,22 +49,22 @@ impl Identifiers {
         self.sent.contains(&identifier)
     }
 
-    /// Whether an identifier is below the next: of this process, or of one before it.
+    /// Whether an identifier is below the next one, so that this process or one before it has used it.
     pub(crate) fn is_used(&self, identifier: BehaviorId) -> bool {
         self.reserved.is_some_and(|reserved| identifier.get() < reserved.next)
     }
 
-    /// How many tracklines and trackcircles the vehicle's mission has been sent.
+    /// How many tracklines and trackcircles were sent in the vehicle's mission.
     pub(crate) const fn inserts_sent(&self) -> u32 {
         self.inserts_sent
     }
 
-    /// How many GPS hits.
+    /// How many GPS hits were sent in the vehicle's mission.
     pub(crate) const fn gps_hits_sent(&self) -> u32 {
         self.gps_hits_sent
     }
 
-    /// What was used of the reservations; `None` where there was none.
+    /// What is used of the reservations; `None` if the state on disk is missing.
     pub(crate) fn used(&self) -> Option<Reservation> {
         self.reserved.map(|reserved| Reservation {
             below: reserved.next,
@@ -73,10 +73,10 @@ impl Identifiers {
         })
     }
 
-    /// The next identifier, where it is reserved on disk.
+    /// The next identifier, if it is reserved on disk.
     ///
     /// # Errors
-    /// Where it is not.
+    /// If it is not.
     pub(crate) fn next(&self) -> Result<u32, Refusal> {
         match self.reserved {
             None => Err(Reason::StateMissing.into()),
@@ -87,12 +87,12 @@ impl Identifiers {
         }
     }
 
-    /// The same for an insert, of which a process that follows this one must also know how many were sent. Numbers that are
-    /// in the vehicle's plan are left out: the record may be older than the vehicle's mission, and another payload may
-    /// count like us.
+    /// The next identifier for an insert. The insert itself must be reserved on disk too, because a process that
+    /// follows must know how many were sent. Leaves out identifiers that are in the vehicle's plan: the record may be
+    /// older than the vehicle's mission, and another payload may count as we do.
     ///
     /// # Errors
-    /// Where identifier or insert is not reserved on disk.
+    /// If the identifier or the insert is not reserved on disk.
     pub(crate) fn next_insert(&mut self, surfaces: bool, in_plan: impl Fn(BehaviorId) -> bool) -> Result<u32, Refusal> {
         if let Some(reserved) = &mut self.reserved {
             while in_plan(BehaviorId::new(reserved.next)) && reserved.next < u32::MAX {
@@ -114,7 +114,7 @@ impl Identifiers {
         Ok(next)
     }
 
-    /// Takes the next identifier; `None` where the state on disk is missing.
+    /// Takes the next identifier; `None` if the state on disk is missing.
     pub(crate) fn take(&mut self) -> Option<u32> {
         let reserved = self.reserved.as_mut()?;
         let next = reserved.next;
@@ -122,7 +122,7 @@ impl Identifiers {
         Some(next)
     }
 
-    /// An insert has left.
+    /// An insert was sent.
     pub(crate) fn sent(&mut self, identifier: BehaviorId, surfaces: bool) {
         if surfaces {
             self.gps_hits_sent += 1;
@@ -132,11 +132,11 @@ impl Identifiers {
         self.sent.insert(identifier);
     }
 
-    /// What is to be reserved, where few identifiers are left, or not as many inserts as may be open at once. GPS hits
-    /// only where a plugin may ask for them: a process that follows would have to reckon with one.
+    /// What to reserve, if few identifiers are left, or fewer inserts than may be open at once. GPS hits are reserved
+    /// only if a plugin may ask for them, because the next process must assume that they were sent.
     pub(crate) fn reserve(&mut self, now: Timestamp, ahead: u32, surfaces: bool) -> Option<Reservation> {
         let reserved = self.reserved?;
-        // A driver that cannot write does not answer: it is asked again, for a disk may have room again.
+        // A driver that cannot write does not answer. Core asks it again, because the disk may have room again.
         let waits = self.asked.is_some_and(|asked| now.since(asked) < ASK_AGAIN);
         if waits || !is_on(Check::IdentifiersReserved) {
             return None;

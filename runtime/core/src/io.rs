@@ -12,39 +12,39 @@ use crate::owner::{ExternalId, Owner};
 use crate::plugin::{LogLine, PluginFault, PluginId, RequestState, Returned, StepInput};
 use crate::refusal::Uncontrolled;
 
-/// What a driver hands to core.
+/// What a driver passes to core.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input<'a> {
     /// The connection to the vehicle is up.
     LinkUp,
-    /// The connection is gone, or could not be made.
+    /// The connection is lost, or could not be made.
     LinkDown,
-    /// Bytes from the vehicle, in any split.
+    /// Bytes from the vehicle, cut anywhere.
     Received(&'a [u8]),
     /// A plugin's step has returned.
     Returned(PluginId, Returned),
-    /// A plugin that was to be restarted has been, or has not.
+    /// A plugin was restarted, or could not be.
     Restarted(PluginId, Restarted),
-    /// The operator.
+    /// An act of the operator.
     Operator(Operator),
-    /// Bytes from an external source, in any split.
+    /// Bytes from an external source, cut anywhere.
     External(ExternalId, &'a [u8]),
-    /// What is written on disk of identifiers and inserts.
+    /// This reservation of identifiers and inserts is on disk.
     Reserved(Reservation),
-    /// Our computer's clock was set since the start, in all by so many nanoseconds.
+    /// Our computer's clock was set: by how many nanoseconds in all since the start.
     UtcSet(i64),
-    /// The time that `poll_timeout` said has come.
+    /// The time that `poll_timeout` returned has come.
     Timeout,
 }
 
-/// What came of a plugin's restart.
+/// The result of a plugin's restart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Restarted {
-    /// Fuel used, which in simulation is time.
+    /// Fuel used. In simulation it counts as time.
     pub fuel: u64,
     /// Steps since the last snapshot.
     pub lost_steps: u64,
-    /// Why it failed, if it did.
+    /// Why the restart failed, if it did.
     pub result: Result<(), PluginFault>,
 }
 
@@ -52,55 +52,55 @@ pub struct Restarted {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Operator {
-    /// Take the helm from every plugin, end leases, cancel inserts. The driver keeps it across restarts.
+    /// Take the helm from every plugin, end leases, cancel inserts. The driver keeps the hold over restarts.
     Hold,
-    /// Let plugins ask again.
+    /// End the hold: plugins may steer again.
     Release,
-    /// End the run: leases end.
+    /// End the run and its leases.
     Stop,
-    /// What no plugin may ask for.
+    /// An order, which no plugin may give.
     Order(Order),
 }
 
-/// What core wants done.
+/// What core asks the driver to do.
 #[expect(
     clippy::large_enum_variant,
-    reason = "a step is the commonest output; it is moved once, and a box would be an allocation a step"
+    reason = "a step is the most common output; it is moved once, and a box would be an allocation for each step"
 )]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Output {
-    /// Write this to the vehicle, at once and whole.
+    /// Write this to the vehicle, at once and completely.
     Send(Vec<u8>),
     /// Connect to the vehicle after a while.
     Connect {
-        /// Back-off with jitter.
+        /// The delay: back-off with jitter.
         after: Duration,
     },
-    /// Reset the connection (not close: nothing that waits in its buffers may be delivered) and report `LinkDown`.
+    /// Reset the connection and report `LinkDown`. Do not close it: nothing that waits in its buffers may be delivered.
     ResetLink,
-    /// Run a step of a plugin and return it.
+    /// Run a step of a plugin, and return its result.
     Invoke(PluginId, StepInput),
     /// Write this to an external source.
     External(ExternalId, Vec<u8>),
     /// Make a new instance of a plugin from its last snapshot.
     Restart(PluginId),
-    /// Write on disk what may be used of identifiers and inserts, so that a process that follows this one knows.
+    /// Write on disk which identifiers and inserts may be used, so that the next process knows it.
     Reserve(Reservation),
-    /// Close the logs: power goes, or the operator stopped the run.
+    /// Close the logs: the power will be cut, or the operator stopped the run.
     Finish,
     /// For the log and for whoever watches.
     Note(Note),
 }
 
-/// What is worth knowing of a run.
+/// An entry of a run's log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "note", rename_all = "kebab-case")]
 pub enum Note {
     /// The connection came up.
     LinkUp,
-    /// The connection was lost; the sentences and the dropped lines of it.
+    /// The connection was lost.
     LinkDown {
-        /// Counts by cause.
+        /// How many sentences and dropped lines it had, by cause.
         #[serde(skip)]
         counts: FrameCounts,
         /// The next attempt comes after this, seconds.
@@ -111,9 +111,9 @@ pub enum Note {
         /// As the vehicle says it.
         version: String,
     },
-    /// The vehicle's clock: ours less its, as the round trips have it.
+    /// The vehicle's clock, as round trips measure it.
     Clock {
-        /// Seconds.
+        /// Our clock less the vehicle's, seconds.
         offset_s: f64,
         /// The vehicle's time.
         vehicle: TimeOfDay,
@@ -130,7 +130,7 @@ pub enum Note {
         /// Why it was lost.
         reason: Option<Uncontrolled>,
     },
-    /// A request has come to another state.
+    /// A request has changed its state.
     Request(Transition),
     /// A lease ended.
     LeaseEnded {
@@ -146,16 +146,16 @@ pub enum Note {
     },
     /// The vehicle's behavior (BFMBS, BFMBE).
     Behavior {
-        /// It began, or it ended.
+        /// True if it began, false if it ended.
         began: bool,
         /// Its number in the dive file.
         number: Option<u32>,
-        /// Our identifier, where it is ours.
+        /// Our identifier, if it is ours.
         identifier: Option<u32>,
         /// Its type.
         kind: String,
     },
-    /// Navigation came to nothing: stale, jumped, or well again.
+    /// Navigation became stale, jumped, or is good again.
     Navigation {
         /// What happened.
         text: String,
@@ -173,7 +173,7 @@ pub enum Note {
         plugin: PluginId,
         /// How.
         fault: PluginFault,
-        /// What is done about it.
+        /// What core does about it.
         then: &'static str,
     },
     /// A plugin works again after it had failed.
@@ -181,21 +181,21 @@ pub enum Note {
         /// Which.
         plugin: PluginId,
     },
-    /// A plugin's own line.
+    /// A line that a plugin logged.
     PluginLog {
         /// Whose.
         plugin: PluginId,
         /// The line.
         line: LogLine,
     },
-    /// The operator's act.
+    /// An act of the operator.
     Operator {
-        /// What.
+        /// The act.
         act: Operator,
     },
-    /// The vehicle is outside the fence, or inside again, and what is done about it.
+    /// The vehicle is outside the fence or inside again, and what core does about it.
     Recovery {
-        /// What has happened, or the step that is taken.
+        /// What has happened, or the step that core takes.
         text: String,
     },
     /// Core was called later than it had asked for.
@@ -211,7 +211,8 @@ pub enum Note {
 }
 
 impl Note {
-    /// The note with the plugins' names, in priority order, where [`Display`](fmt::Display) has their numbers.
+    /// Describes the note with the plugins' names, which come in priority order. [`Display`](fmt::Display) has the
+    /// plugins' numbers instead.
     #[must_use]
     pub fn describe<'a>(&'a self, names: &'a [String]) -> impl fmt::Display + 'a {
         Told { note: self, names }
@@ -229,7 +230,7 @@ struct Told<'a> {
     names: &'a [String],
 }
 
-/// A plugin by its name, or else by its number.
+/// A plugin's name, or its number if it has no name here.
 struct Who<'a>(PluginId, &'a [String]);
 
 impl fmt::Display for Who<'_> {
@@ -323,17 +324,17 @@ fn write_transition(f: &mut fmt::Formatter<'_>, transition: &Transition, who: &d
 /// The SPI identifiers that this run may use, and what previous runs of the same vehicle mission have sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identifiers {
-    /// The first that has not been used.
+    /// The first identifier that is not used.
     pub next: u32,
     /// All below this are reserved on disk.
     pub reserved: u32,
-    /// The first of the vehicle's mission: those from here to `next` are of previous runs.
+    /// The first identifier of the vehicle's mission. Previous runs used those from here up to `next`.
     #[serde(default)]
     pub first: u32,
-    /// How many inserts previous runs have sent at most.
+    /// How many inserts previous runs can have sent at most.
     #[serde(default)]
     pub inserts: u32,
-    /// How many GPS hits previous runs have sent at most.
+    /// How many GPS hits previous runs can have sent at most.
     #[serde(default)]
     pub gps_hits: u32,
 }
@@ -343,9 +344,9 @@ pub struct Identifiers {
 pub struct Reservation {
     /// All SPI identifiers below this.
     pub below: u32,
-    /// So many inserts of the vehicle's mission, in all.
+    /// This many inserts of the vehicle's mission, in all.
     pub inserts: u32,
-    /// So many GPS hits of it, in all.
+    /// This many GPS hits of the vehicle's mission, in all.
     pub gps_hits: u32,
 }
 
@@ -354,11 +355,11 @@ pub struct Reservation {
 pub struct Start {
     /// Our UTC at time zero.
     pub utc: Utc,
-    /// `None` where the state on disk is missing: then no insert is sent.
+    /// `None` if the state on disk is missing; then no insert is sent.
     pub identifiers: Option<Identifiers>,
     /// Whether dynamic requests may be sent at all.
     pub armed: bool,
-    /// Whether the operator's hold stands from before.
+    /// Whether the operator's hold is still on from an earlier process.
     pub held: bool,
     /// Seed of the back-off's jitter.
     pub jitter: u64,

@@ -71,7 +71,7 @@ pub enum RequestKind {
     BearingOffset,
 }
 
-/// How many requests have come how far. A request counts once in `proposed`, and once in each state that it reached.
+/// The numbers of requests by state. A request counts once in `proposed`, and once in each state that it reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RequestCounts {
     /// Asked for by plugins, the operator, policies and external sources.
@@ -86,7 +86,7 @@ pub struct RequestCounts {
     pub failed: u64,
 }
 
-/// A request that is not at its end.
+/// A request that has not ended.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Entry {
@@ -94,68 +94,69 @@ pub(crate) struct Entry {
     pub(crate) tag: u64,
     pub(crate) kind: RequestKind,
     pub(crate) state: RequestState,
-    /// Of an insert that has been sent.
+    /// The identifier of an insert that was sent.
     pub(crate) identifier: Option<BehaviorId>,
-    /// Of an insert.
+    /// The insert that was sent; `None` for other requests.
     pub(crate) insert: Option<Insert>,
     /// How long an insert flies at most, seconds.
     pub(crate) duration_s: f64,
-    /// By when an insert was judged to be flown, where zones that are valid for a time count.
+    /// The times that an insert was judged for, if zones that are valid for a limited time matter to it.
     pub(crate) schedule: Option<Schedule>,
-    /// The vehicle has ended this insert for one that interrupts it, and may take it up again (SPI 7.5 leaves it open).
+    /// The vehicle has ended this insert for one that interrupts it, and may resume it (SPI 7.5 leaves that open).
     pub(crate) interrupted: bool,
     /// When an insert was sent.
     pub(crate) sent_at: Timestamp,
-    /// The vehicle's plan, asked for when it had decided on this insert at the latest, does not name it: it does not wait.
+    /// The vehicle's plan does not name this insert, and core asked for that plan after the vehicle must have decided
+    /// on the insert: so the insert does not wait.
     pub(crate) not_queued: bool,
-    /// The vehicle may have dropped this insert: it flies another dive since, or has refused to take it back.
+    /// The vehicle may have dropped this insert: it has flown another dive since, or has refused to cancel it.
     pub(crate) may_be_gone: bool,
 }
 
 impl Entry {
-    /// Whether the vehicle may yet fly this insert.
+    /// Whether the vehicle may still fly this insert.
     pub(crate) fn is_open_insert(&self) -> bool {
         self.insert.is_some()
     }
 }
 
-/// A request has come to another state.
+/// A request has changed its state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Transition {
     /// The request's number in this run.
     pub request: u64,
-    /// Whose it is.
+    /// The owner of the request.
     pub owner: Owner,
-    /// The owner's name for it.
+    /// The owner's tag for the request.
     pub tag: u64,
-    /// What it is.
+    /// The kind of the request.
     pub kind: RequestKind,
-    /// The SPI identifier of an insert.
+    /// The SPI identifier, if it is an insert.
     pub identifier: Option<u32>,
-    /// Its state now.
+    /// The new state.
     pub state: RequestState,
 }
 
-/// Every request and its one outcome (safety requirement 009).
+/// All requests, each with exactly one outcome (safety requirement 009).
 ///
-/// Open entries are kept; an entry that has come to its end is told once and forgotten.
+/// The ledger keeps open entries. When an entry ends, the ledger reports that once and forgets the entry.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Ledger {
     open: BTreeMap<u64, Entry>,
     last: u64,
-    /// How many orders there have been.
+    /// How many orders the operator has given.
     orders: u64,
     counts: RequestCounts,
-    /// Inserts that ended without the vehicle's word: it may fly them yet, so they stay under the caps and the rule
-    /// that nothing interrupts what interrupts.
+    /// Inserts that timed out. The vehicle may still fly them, so they stay under the caps and under the rule that
+    /// nothing interrupts an insert that interrupts.
     doubtful: BTreeMap<u64, Entry>,
-    /// Inserts that are being taken back.
+    /// Inserts that the runtime is cancelling.
     recalled: BTreeSet<u64>,
 }
 
 impl Ledger {
-    /// Enters a request; its number.
+    /// Enters a request, and returns its number.
     pub(crate) fn propose(&mut self, owner: impl Into<Owner>, tag: u64, kind: RequestKind) -> u64 {
         self.last += 1;
         self.counts.proposed += 1;
@@ -177,7 +178,7 @@ impl Ledger {
         self.last
     }
 
-    /// Enters an order of the operator's, which has no tag but its number.
+    /// Enters an order of the operator. Its tag is the number of the order.
     pub(crate) fn propose_order(&mut self, kind: RequestKind) -> u64 {
         self.orders += 1;
         self.propose(Owner::Operator, self.orders, kind)
@@ -216,30 +217,30 @@ impl Ledger {
         self.counts
     }
 
-    /// How many inserts the vehicle may yet fly.
+    /// How many inserts the vehicle may still fly.
     pub(crate) fn open_inserts(&self) -> u32 {
         u32::try_from(self.flyable().count()).unwrap_or(u32::MAX)
     }
 
-    /// How many of a plugin's inserts the vehicle may yet fly.
+    /// How many of a plugin's inserts the vehicle may still fly.
     pub(crate) fn open_inserts_of(&self, plugin: PluginId) -> u32 {
         let own = self.flyable().filter(|entry| entry.owner == plugin);
         u32::try_from(own.count()).unwrap_or(u32::MAX)
     }
 
-    /// How long they fly at most, seconds.
+    /// How long a plugin's inserts fly at most together, seconds.
     pub(crate) fn open_duration_of_s(&self, plugin: PluginId) -> f64 {
         let own = self.flyable().filter(|entry| entry.owner == plugin);
         own.fold(0.0, |all, entry| all + entry.duration_s)
     }
 
-    /// How long all of them fly at most, seconds.
+    /// How long all inserts fly at most together, seconds.
     pub(crate) fn open_duration_s(&self) -> f64 {
-        // An empty sum would be -0.
+        // A sum of nothing would be -0.
         self.flyable().fold(0.0, |all, entry| all + entry.duration_s)
     }
 
-    /// Whether another insert waits that interrupts: what ends now may be taken up again after it.
+    /// Whether another insert waits that interrupts. If so, the vehicle may resume after it what ends now.
     pub(crate) fn awaits_interrupter(&self, ended: u64) -> bool {
         self.iter().any(|(request, entry)| {
             request != ended
@@ -248,7 +249,7 @@ impl Ledger {
         })
     }
 
-    /// An insert begins that interrupts what was flown.
+    /// An insert that interrupts has begun: marks every other insert that was flown as interrupted.
     pub(crate) fn interrupt_all_but(&mut self, begun: Option<BehaviorId>) {
         for entry in self.open.values_mut() {
             let was_flown = entry.is_open_insert() && entry.state == RequestState::Started;
@@ -258,19 +259,19 @@ impl Ledger {
         }
     }
 
-    /// Whether the vehicle may yet fly an insert that interrupts.
+    /// Whether the vehicle may still fly an insert that interrupts.
     pub(crate) fn interrupts(&self) -> bool {
         self.flyable()
             .any(|entry| entry.insert.is_some_and(|insert| insert.interrupt))
     }
 
-    /// Whether the vehicle may yet fly a GPS hit.
+    /// Whether the vehicle may still fly a GPS hit.
     pub(crate) fn surfaces(&self) -> bool {
         self.flyable()
             .any(|entry| entry.insert.is_some_and(|insert| insert.surfaces()))
     }
 
-    /// The inserts that the vehicle may yet fly, as far as is known.
+    /// The inserts that the vehicle may still fly, as far as core knows.
     fn flyable(&self) -> impl Iterator<Item = &Entry> + '_ {
         self.open
             .values()
@@ -278,33 +279,34 @@ impl Ledger {
             .chain(self.doubtful.values())
     }
 
-    /// The inserts that ended without the vehicle's word.
+    /// The inserts that timed out, and that the vehicle may still fly.
     pub(crate) fn doubtful(&self) -> impl Iterator<Item = &Entry> + '_ {
         self.doubtful.values()
     }
 
-    /// The same, with their requests.
+    /// The same inserts, with the numbers of their requests.
     pub(crate) fn doubtful_requests(&self) -> impl Iterator<Item = (u64, &Entry)> + '_ {
         self.doubtful.iter().map(|(request, entry)| (*request, entry))
     }
 
-    /// Whether an insert ended without the vehicle's word.
+    /// Whether this insert timed out, and the vehicle may still fly it.
     pub(crate) fn is_doubtful(&self, request: u64) -> bool {
         self.doubtful.contains_key(&request)
     }
 
-    /// The vehicle has said that it no longer has this insert, which had ended without its word.
+    /// The vehicle has reported that it no longer has this insert, which had timed out.
     pub(crate) fn settle_doubt(&mut self, request: u64) {
         self.doubtful.remove(&request);
     }
 
-    /// The vehicle has said that a behavior with this identifier has ended.
+    /// The vehicle has reported the end of the behavior with this identifier.
     pub(crate) fn settle_doubt_of(&mut self, identifier: BehaviorId) {
         self.doubtful.retain(|_, entry| entry.identifier != Some(identifier));
     }
 
-    /// The vehicle has told a plan that was asked for then: what it names is there; inserts without its word that are not in
-    /// it do not wait, where it had decided on them.
+    /// The vehicle has sent its plan, for which core asked at `asked_at`. Open inserts that the plan names are there.
+    /// An insert that timed out, that it does not name, and that the vehicle must have decided on before `asked_at`,
+    /// does not wait.
     pub(crate) fn heard_plan(&mut self, asked_at: Timestamp, has: impl Fn(BehaviorId) -> bool) {
         for entry in self.open.values_mut() {
             entry.may_be_gone &= !entry.identifier.is_some_and(&has);
@@ -315,17 +317,17 @@ impl Ledger {
         }
     }
 
-    /// The vehicle has said that it has none of these any more.
+    /// The vehicle no longer has those of the inserts that timed out for which `gone` is true.
     pub(crate) fn settle_doubt_if(&mut self, gone: impl Fn(&Entry) -> bool) {
         self.doubtful.retain(|_, entry| !gone(entry));
     }
 
-    /// The mission is over, and all that it held.
+    /// The mission is over, and so is everything that it held.
     pub(crate) fn settle_all_doubt(&mut self) {
         self.doubtful.clear();
     }
 
-    /// An insert is being taken back, or no longer.
+    /// Notes whether the runtime is cancelling an insert.
     pub(crate) fn set_recalled(&mut self, request: u64, recalled: bool) {
         if recalled {
             self.recalled.insert(request);
@@ -334,19 +336,19 @@ impl Ledger {
         }
     }
 
-    /// Whether an insert is being taken back.
+    /// Whether the runtime is cancelling an insert.
     pub(crate) fn is_recalled(&self, request: u64) -> bool {
         self.recalled.contains(&request)
     }
 
-    /// Whether an insert is in doubt: no further one is sent until the vehicle has named it.
+    /// Whether an insert is in doubt: no other insert is sent until the vehicle or its plan settles that.
     pub(crate) fn in_doubt(&self) -> bool {
         self.iter()
             .any(|(_, entry)| entry.is_open_insert() && entry.state == RequestState::Unknown)
     }
 
-    /// Takes a request to another state. `None` where it is at its end already or cannot go there: what came too late
-    /// or twice changes nothing.
+    /// Takes a request to another state. `None` if the request has ended or cannot go there: an answer that comes too
+    /// late or twice changes nothing.
     pub(crate) fn transition(&mut self, request: u64, to: RequestState) -> Option<Transition> {
         let entry = self.open.get_mut(&request)?;
         if !may_follow(&entry.state, &to, entry.is_open_insert()) {
@@ -384,11 +386,11 @@ impl Ledger {
     }
 }
 
-/// A proposed request stands as rejected-for-no-reason until something is decided, so that nothing can take an
-/// undecided one for a good one.
+/// A proposed request counts as rejected, for no real reason, until something is decided. So nothing can take an
+/// undecided request for an admitted one.
 const PROPOSED: RequestState = RequestState::Rejected(Refusal::State(Reason::Undecided));
 
-/// Whether a state is an end.
+/// Whether a state is final.
 pub(crate) fn is_end(state: &RequestState) -> bool {
     match state {
         RequestState::Rejected(_)
@@ -404,18 +406,17 @@ pub(crate) fn is_end(state: &RequestState) -> bool {
     }
 }
 
-/// The matrix of transitions: rows are where a request stands, columns where it may go. An insert that has begun only
-/// ends: a refusal that comes after its BFMBS does not take it from under the caps. What is no insert and has begun, an
-/// adjustment, can fail or never be heard of again.
+/// The transitions: from which state a request may go to which. An insert that has begun can only end: a refusal that
+/// comes after its BFMBS does not take it out of the caps. An adjustment that has begun can also fail or time out.
 fn may_follow(from: &RequestState, to: &RequestState, insert: bool) -> bool {
     use RequestState as S;
     match from {
-        // Proposed; a real rejection is an end and no longer open.
+        // Proposed. A real rejection is final, and its entry is no longer open.
         S::Rejected(_) => matches!(to, S::Rejected(_) | S::Sent | S::Ended(_)),
         S::Sent => !matches!(to, S::Rejected(_) | S::Sent),
         S::Pending => !matches!(to, S::Rejected(_) | S::Sent | S::Pending),
         S::Unknown => matches!(to, S::Accepted | S::Started | S::Failed(_) | S::TimedOut | S::Ended(_)),
-        // Another dive leaves an insert that waited in doubt.
+        // When the vehicle flies another dive, an insert that waited is in doubt.
         S::Accepted if insert && *to == S::Unknown => true,
         S::Accepted => matches!(to, S::Started | S::Ended(_) | S::Cancelled | S::Failed(_) | S::TimedOut),
         S::Started => match to {
@@ -479,7 +480,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_begun_fails_only_where_it_is_no_insert() {
+    fn a_request_that_has_begun_can_fail_unless_it_is_an_insert() {
         for (kind, fails) in [(RequestKind::Trim, true), (RequestKind::Trackline, false)] {
             let mut ledger = Ledger::default();
             let request = ledger.propose(PluginId(0), 1, kind);
@@ -506,7 +507,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_one_is_in_doubt_until_the_vehicle_names_it() {
+    fn an_unknown_insert_is_in_doubt_until_the_vehicle_names_it() {
         let mut ledger = Ledger::default();
         let request = ledger.propose(PluginId(0), 1, RequestKind::Trackline);
         ledger.get_mut(request).unwrap().insert = Some(insert());

@@ -1,7 +1,8 @@
-//! The backseat's state machine: session, control, leases, plan, ledger, assurance.
+//! The state machine of the backseat: session, control, leases, plan, ledger, safety monitor.
 //!
-//! Sans-IO and deterministic: no clock, no thread, no hash order. A driver hands [`Core::handle`] what happens, with
-//! the time, then drains [`Core::poll_output`], and calls again no later than [`Core::poll_timeout`]:
+//! It is sans-IO and deterministic: it has no clock and no thread, and nothing depends on hash order. A driver passes
+//! each event and its time to [`Core::handle`], drains [`Core::poll_output`], and calls again no later than
+//! [`Core::poll_timeout`]:
 //!
 //! ```text
 //! loop {
@@ -11,11 +12,11 @@
 //! }
 //! ```
 //!
-//! The driver at sea and the virtual clock of the simulation are both such loops, so what was simulated is what goes
-//! to sea. Plugins are effects: [`Output::Invoke`] goes out and [`Input::Returned`] comes back.
+//! The driver at sea and the simulation with its virtual clock are both such loops, so the code that goes to sea is the
+//! code that was simulated. Core does not call a plugin. It asks for a step with [`Output::Invoke`], and the driver
+//! answers with [`Input::Returned`].
 //!
-//! The safety requirements that code here keeps are cited where it keeps them, by their number in
-//! `runtime/docs/safety.md`.
+//! Code that keeps a safety requirement cites the requirement by its number in `runtime/docs/safety.md`.
 
 mod arbiter;
 mod capability;

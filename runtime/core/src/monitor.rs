@@ -8,7 +8,7 @@ use crate::monitor::envelope::Envelope;
 use crate::monitor::gate::Permits;
 use crate::monitor::limits::Limits;
 
-/// The safety monitor: what may be asked of the vehicle, and what may leave.
+/// The safety monitor: which requests are allowed, and which messages may leave.
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Monitor {
     #[cfg_attr(feature = "explore", serde(skip))]

@@ -1,7 +1,7 @@
-//! What only the operator may order, by word or by a policy of the mission file: cancels beyond a plugin's own inserts,
-//! abort and kill, an empty mission (SPI 7.9, 7.10, 7.11, 7.16, 7.17, 7.20; safety requirement 012).
+//! What only the operator may order, directly or by a policy of the mission file: cancels beyond a plugin's own
+//! inserts, abort and kill, an empty mission (SPI 7.9, 7.10, 7.11, 7.16, 7.17, 7.20; safety requirement 012).
 //!
-//! Every order is a request of the operator's in the ledger. What comes of it is in the sub-modules: the ends of a mission
+//! Every order is a request of the operator in the ledger. The submodules carry orders out: the ends of a mission
 //! (`ending`), the cancels (`cancels`), the empty mission (`empty`), and the policies (`policies`).
 
 use backseat_units::Timestamp;
@@ -26,28 +26,28 @@ use empty::EmptyMission;
 pub(crate) use ending::Ending;
 use policies::Stale;
 
-/// Where the operator's orders stand.
+/// The state of the operator's orders.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Orders {
-    /// Aborts and kills that are not at their end; at most one of each.
+    /// Aborts and kills that have not ended; at most one of each.
     endings: Vec<Ending>,
     /// The empty mission that is being started.
     empty: Option<EmptyMission>,
     /// There has been a connection.
     connected: bool,
-    /// Since when navigation has been stale, and up to where policies have acted on that.
+    /// Since when navigation has been stale, and up to which time policies have acted on that.
     stale: Option<Stale>,
 }
 
 impl Orders {
-    /// The operator's act.
+    /// Does what an act of the operator demands.
     pub(crate) fn act(&mut self, cx: &mut Context, capabilities: &mut Capabilities, act: Operator) {
         if act != Operator::Hold {
             cx.note(Note::Operator { act: act.clone() });
         }
         match act {
-            // It beats every plugin (safety requirement 015).
+            // A hold overrides every plugin (safety requirement 015).
             Operator::Hold => {
                 cx.control.held = is_on(Check::OperatorHold);
                 capabilities.end_controlled(cx, Uncontrolled::OperatorHolds);
@@ -55,7 +55,8 @@ impl Orders {
                     capabilities.inserts.take_back_all(cx, None);
                     capabilities.inserts.cancel_previous_run(cx);
                 }
-                // Last: who keeps it waits for a disk, and what ends by it does not wait for that.
+                // The note comes last: the driver keeps the hold on a disk, and the requests that it ends must not wait
+                // for that.
                 cx.note(Note::Operator { act: Operator::Hold });
             }
             Operator::Release => {
@@ -71,8 +72,9 @@ impl Orders {
         }
     }
 
-    /// An order that the operator gave in advance: a policy's, or a plugin's fail action. An abort of what ends already
-    /// could disturb the vehicle's wrap-up, and nobody is there who wants it all the same.
+    /// Carries out an order that the operator gave in advance: a policy's, or a plugin's `on_failure`. If the mission
+    /// is ending or over, an abort is rejected: it could disturb the vehicle's wrap-up, and nobody is there to want it
+    /// anyway.
     pub(crate) fn order_in_advance(&mut self, cx: &mut Context, capabilities: &mut Capabilities, order: &Order) {
         let reason = match cx.vehicle.phase {
             Phase::Ending => Reason::MissionEnding,
@@ -87,7 +89,7 @@ impl Orders {
         }
     }
 
-    /// The operator's order.
+    /// Carries out an order of the operator.
     pub(crate) fn order(&mut self, cx: &mut Context, capabilities: &mut Capabilities, order: &Order) {
         match order {
             Order::Hold => self.act(cx, capabilities, Operator::Hold),
@@ -100,8 +102,8 @@ impl Orders {
         }
     }
 
-    /// The link is gone. An abort or kill is kept to be sent again, a started mission may yet show itself; the cancels are
-    /// not: what they would take back may be another thing by then.
+    /// The link is gone. An abort or kill is kept and sent again later, and a mission that is being started may still
+    /// report that it runs. Cancels are not kept, because they might cancel something else by then.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
         cx.vehicle.named_insert.invalidate_after_loss();
         cx.vehicle.phase = Phase::Unknown;
@@ -110,7 +112,7 @@ impl Orders {
         self.set_timer(cx);
     }
 
-    /// The link is up, and what was kept is sent.
+    /// The link is up: sends what was kept.
     pub(crate) fn link_up(&mut self, cx: &mut Context, capabilities: &mut Capabilities) {
         self.connected = true;
         self.endings_link_up(cx, capabilities);
@@ -133,7 +135,7 @@ impl Orders {
         self.set_timer(cx);
     }
 
-    /// An order has waited for long enough.
+    /// An order has waited too long.
     pub(crate) fn timed_out(&mut self, cx: &mut Context) {
         self.endings_expired(cx);
         self.empty_mission_expired(cx);
@@ -148,7 +150,7 @@ impl Orders {
     }
 }
 
-/// What an order needs that changes the mission that runs: an armed runtime with control.
+/// What an order needs that changes the running mission: an armed runtime with control.
 fn admit(cx: &Context) -> Result<(), Refusal> {
     if !cx.control.armed {
         return Err(Uncontrolled::NotArmed.into());

@@ -1,10 +1,10 @@
-//! What only the operator may order, by word or in advance, and when.
+//! Orders that only the operator may give, at once or in advance as policies.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What the operator orders.
+/// An order of the operator.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Order {
@@ -12,9 +12,9 @@ pub enum Order {
     Hold,
     /// As [`Operator::Release`](crate::Operator::Release).
     Release,
-    /// Cancel all inserts, other payloads' too (BPRCA).
+    /// Cancel all inserts, also those of other payloads (BPRCA).
     CancelAll,
-    /// End the current behavior, where it is an insert of ours (BPRCB).
+    /// End the current behavior, if it is an insert of ours (BPRCB).
     CancelCurrent,
     /// End the current element of the mission (BPRCE).
     CancelElement,
@@ -61,13 +61,14 @@ impl fmt::Display for Order {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Condition {
-    /// A mission command with exactly this text, blanks around it apart (BFMSC, SPI 5.1).
+    /// A mission command with exactly this text, apart from blanks around it (BFMSC, SPI 5.1).
     MissionCommand(String),
     /// A message from the topside with exactly this text (BFTOP, SPI 5.5).
     TopsideMessage(String),
     /// A plugin is quarantined.
     PluginQuarantined,
-    /// Navigation has been stale for this long, seconds: once in each such time, and not before the first connection.
+    /// Navigation has been stale for this long, seconds. The policy acts once in each period of staleness, and not
+    /// before the first connection.
     NavigationStaleForS(f64),
 }
 

@@ -7,13 +7,13 @@ use backseat_units::Timestamp;
 use crate::io::{Note, Output};
 use crate::outbox::budget::LineBudget;
 
-/// What is to be done by whoever drives core, oldest first.
+/// What the driver has to do, oldest first.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Outbox {
     #[cfg_attr(feature = "explore", serde(skip))]
     outputs: VecDeque<Output>,
-    /// Lines about what the vehicle says.
+    /// Limits the lines about what the vehicle says.
     vehicle_lines: LineBudget,
 }
 
@@ -30,14 +30,14 @@ impl Outbox {
         self.push(Output::Note(note));
     }
 
-    /// As [`Outbox::note`], of what the vehicle has said: so many a second, the rest is counted.
+    /// As [`Outbox::note`], for what the vehicle has said: so many a second; the rest is only counted.
     pub(crate) fn note_of_vehicle(&mut self, now: Timestamp, note: Note) {
         if self.vehicle_lines.take(now) {
             self.note(note);
         }
     }
 
-    /// How many lines about the vehicle were counted and not noted since this was last asked.
+    /// How many lines about the vehicle were only counted since the last call.
     pub(crate) fn take_dropped(&mut self) -> u64 {
         self.vehicle_lines.take_dropped()
     }

@@ -1,5 +1,5 @@
-//! What the vehicle may do next, as far as can be known: from what is believed of it, and from what it was asked for. What is
-//! judged is judged from here (safety requirement 002).
+//! What the vehicle may do next, as far as core can know: from what core believes of the vehicle, and from what it has
+//! asked for. The monitor judges the ways that are listed here (safety requirement 002).
 
 mod duration;
 mod flown;
@@ -24,7 +24,7 @@ use crate::stamp::Stamper;
 use crate::vehicle::Vehicle;
 use crate::vehicle::plan::Element;
 
-/// A view of all that this depends on, which changes nothing.
+/// A read-only view of everything that this depends on.
 #[derive(Clone, Copy)]
 pub(crate) struct Outlook<'a> {
     pub(crate) now: Timestamp,
@@ -44,7 +44,7 @@ impl<'a> Outlook<'a> {
         self.vehicle.plan.others(|identifier| identifiers.is_ours(identifier))
     }
 
-    /// Our open inserts in the order that they fly, with their requests and whether they have begun.
+    /// Our open inserts in the order in which they are flown, each with its request and whether it has begun.
     pub(crate) fn chain(&self) -> Vec<(u64, Insert, bool)> {
         self.ledger
             .iter()
@@ -59,7 +59,7 @@ impl<'a> Outlook<'a> {
             .map(|(request, _)| request)
     }
 
-    /// A lease stands, or an insert of ours is flown or may be.
+    /// Whether a lease is active, or the vehicle flies or may fly an insert of ours.
     pub(crate) fn is_active(&self) -> bool {
         let flown = |entry: &Entry| {
             entry.is_open_insert() && matches!(entry.state, RequestState::Started | RequestState::Unknown)
@@ -69,7 +69,8 @@ impl<'a> Outlook<'a> {
             || self.ledger.doubtful().next().is_some()
     }
 
-    /// The vehicle has taken it, nothing says that it has dropped it since, and it is not being taken back.
+    /// Whether the vehicle will surely fly a waiting insert: it has accepted the insert, nothing suggests that it has
+    /// dropped it since, and we are not cancelling it.
     pub(crate) fn is_surely_flown(&self, request: u64) -> bool {
         let waits = |entry: &Entry| entry.state == RequestState::Accepted && !entry.may_be_gone;
         self.ledger.get(request).is_some_and(waits)
@@ -81,7 +82,7 @@ impl<'a> Outlook<'a> {
                 .any(|purpose| matches!(purpose, Purpose::Cancel { insert, .. } if insert == request))
     }
 
-    /// What is known of the time.
+    /// Our UTC, and how far the vehicle's differs from it.
     pub(crate) fn clocks(&self) -> Clocks {
         Clocks {
             utc: self.stamper.zone_utc(self.now),
@@ -89,7 +90,7 @@ impl<'a> Outlook<'a> {
         }
     }
 
-    /// By how much our clock and the vehicle's differ, where that is little enough for both to tell the time.
+    /// By how much our clock and the vehicle's differ; `None` if that is not known, or too much to trust either.
     pub(crate) fn clocks_apart(&self) -> Option<Duration> {
         self.vehicle.navigation.clocks_apart(self.now, self.stamper.set_nanos())
     }

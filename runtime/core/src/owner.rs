@@ -4,24 +4,24 @@ use serde::{Deserialize, Serialize};
 
 use crate::plugin::PluginId;
 
-/// Which external source of the mission: its place in the mission file, 0 first.
+/// An external source of the mission, by its place in the mission file, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ExternalId(pub usize);
 
-/// Whose a request is.
+/// The owner of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Owner {
-    /// A plugin's, under a grant.
+    /// A plugin, under a grant.
     Plugin(PluginId),
-    /// The operator's, by word or by a policy of the mission.
+    /// The operator, who orders at once or by a policy of the mission.
     Operator,
-    /// An external source's.
+    /// An external source.
     External(ExternalId),
 }
 
 impl Owner {
-    /// The plugin, where it is one's.
+    /// The plugin, if the owner is one.
     #[must_use]
     pub const fn plugin(self) -> Option<PluginId> {
         match self {

@@ -1,6 +1,6 @@
 //! What passes between core and plugins: the `core` side of the WIT world in `wit/`.
 //!
-//! Figures that come from a plugin are plain `f64` here, whatever they are: NaN, infinities, latitude 91. Core's
+//! Figures that come from a plugin are plain `f64` here, and can be anything: NaN, infinities, latitude 91. Core's
 //! admission turns them into checked quantities or rejects the request; nothing else reads them.
 
 pub(crate) mod slots;
@@ -31,7 +31,7 @@ pub use sample::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct PluginId(pub usize);
 
-/// What a plugin says of itself.
+/// What a plugin says about itself.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Description {
     /// Its name, for logs.
@@ -40,7 +40,7 @@ pub struct Description {
     pub version: String,
     /// How often it is stepped, 20 ms to 60 s.
     pub step_period: Duration,
-    /// The events that it wants beside those that all plugins get.
+    /// The events that it wants in addition to those that all plugins get.
     pub topics: Vec<Topic>,
 }
 
@@ -91,16 +91,16 @@ pub enum Topic {
     RelativeNavigation,
 }
 
-/// Navigation as plugins and the monitor see it: BFNVG with BFNVR of the same time (SPI 6.1, 6.2), checked, the grid
-/// convergence taken out of its heading.
+/// Navigation as plugins and the monitor see it: BFNVG with BFNVR of the same time (SPI 6.1, 6.2), checked, and with
+/// the grid convergence removed from the heading.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NavigationSample {
-    /// When the solution was computed, on our clock: through the smallest clock offset seen, never later than its
-    /// arrival.
+    /// When the solution was computed, on our clock: the earliest time that the round trips allow, and never later than
+    /// its arrival.
     pub solution: Timestamp,
     /// WGS84.
     pub position: Position,
-    /// The same in the fence's frame.
+    /// The position in the fence's frame.
     pub local: EastNorth,
     /// Below the surface.
     pub depth: Depth,
@@ -124,10 +124,10 @@ pub struct NavigationSample {
     pub gps: bool,
 }
 
-/// Where a request stands; the ledger's states as a plugin sees them.
+/// The state of a request in the ledger, as its plugin sees it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum RequestState {
-    /// Refused before it was sent, and why. An end.
+    /// Core has refused it before it was sent, for this reason. Final.
     Rejected(Refusal),
     /// Written to the link.
     Sent,
@@ -135,27 +135,28 @@ pub enum RequestState {
     Pending,
     /// The vehicle has accepted it.
     Accepted,
-    /// The vehicle has refused it, and why. An end.
+    /// It has failed after it was sent, for this reason. Final.
     Failed(Failure),
-    /// The vehicle has not answered. An end.
+    /// The vehicle has not answered. Final.
     TimedOut,
-    /// The link was lost before the answer, or the vehicle flies another dive than the one that this was accepted for;
-    /// resolved where the vehicle names the behavior, or its plan does not.
+    /// It is not known whether the vehicle will fly it: the link was lost before the answer, or the vehicle flies
+    /// another dive than the one for which it accepted this. Resolved when the vehicle names the behavior, or when its
+    /// plan does not name it.
     Unknown,
     /// The vehicle has begun to fly it.
     Started,
-    /// It is over, and why. An end.
+    /// It is over, for this reason. Final.
     Ended(Ended),
-    /// Cancelled before it began. An end.
+    /// Cancelled before it began. Final.
     Cancelled,
 }
 
-/// What has happened since the plugin's last step.
+/// Something that has happened since the plugin's last step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Event {
     /// Control was gained or lost.
     Control(bool),
-    /// A request has come to another state.
+    /// A request has changed its state.
     Outcome {
         /// The plugin's name for the request.
         tag: u64,
@@ -170,16 +171,16 @@ pub enum Event {
     BehaviorBegan(Behavior),
     /// A behavior ended (BFMBE, SPI 6.10).
     BehaviorEnded(Behavior),
-    /// A timer that the plugin had set.
+    /// A timer that the plugin had set has expired.
     Timer(u64),
     /// This is a new instance of a plugin that had failed.
     Restored {
         /// Steps since the last snapshot, which this instance has not seen.
         lost_steps: u64,
-        /// Tags of its requests that are not at their end.
+        /// Tags of its requests that have not ended.
         open: Vec<u64>,
     },
-    /// Power goes in a minute (BFSHT, SPI 5.2).
+    /// The vehicle shuts our power off in a minute (BFSHT, SPI 5.2).
     Shutdown,
     /// The vehicle begins the lead-in of a survey line: log data (BFBDL, SPI 5.3). The mission planner's text.
     LoggingBegan(String),
@@ -192,15 +193,16 @@ pub enum Event {
         /// Its text.
         text: String,
     },
-    /// The vehicle lets the payload trigger the DVL, or wants it to stop (BFDVT, SPI 5.6). For who is granted it.
+    /// The vehicle lets the payload trigger the DVL, or wants it to stop (BFDVT, SPI 5.6). Only the plugin whose DVL
+    /// request is open gets this.
     DvlTrigger(bool),
-    /// The acoustic modem is the payload's for a while (BFCMA, SPI 9.1).
+    /// The payload may use the acoustic modem for a while (BFCMA, SPI 9.1).
     Window(Window),
     /// A packet came through the acoustic modem (BFCPR, SPI 9.3).
     Packet(ReceivedPacket),
-    /// The vehicle's plan is known anew (BFPLN, SPI 6.20), in the order that it is flown.
+    /// The vehicle's plan has been read again (BFPLN, SPI 6.20). The elements are in the order in which they are flown.
     Plan(Vec<PlannedElement>),
-    /// A sensor's sample, for who asked for its topic.
+    /// A sensor's sample, for plugins that asked for its topic.
     Sample(Sample),
 }
 
@@ -209,7 +211,7 @@ pub enum Event {
 pub struct Behavior {
     /// "trackline", "waypoint", "setpoint" and others.
     pub kind: String,
-    /// The tag of this plugin's request that it flies, if it is one.
+    /// The tag of the plugin's own request, if the behavior flies one.
     pub tag: Option<u64>,
 }
 
@@ -220,8 +222,8 @@ pub struct StepInput {
     pub now: Timestamp,
     /// Our UTC.
     pub utc: Utc,
-    /// By how much the vehicle's UTC differs from ours, for the judge of zones that are valid for a time; `None` where
-    /// that is not known or over 60 s. Plugins do not see it.
+    /// By how much the vehicle's UTC differs from ours, to judge zones that are valid for a limited time; `None` if it
+    /// is not known or over 60 s. Plugins do not see it.
     #[serde(default)]
     pub clocks_apart: Option<Duration>,
     /// The newest navigation, while it is fresh.
@@ -236,7 +238,7 @@ pub struct StepInput {
     pub events: Vec<Event>,
 }
 
-/// What came of a step.
+/// The result of a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Returned {
     /// Fuel used, which in simulation is time.
@@ -274,7 +276,7 @@ pub enum LogLevel {
 pub struct PluginFault {
     /// Which bound it broke.
     pub kind: FaultKind,
-    /// In a line.
+    /// In one line.
     pub text: String,
 }
 
@@ -287,9 +289,9 @@ pub enum FaultKind {
     OutOfFuel,
     /// It asked for more memory than it may have and trapped: the instance is lost.
     Memory,
-    /// The wall-clock backstop of a deployed run: the instance is lost.
+    /// It exceeded the wall-clock limit of a run at sea: the instance is lost.
     Deadline,
-    /// It returned more than the host takes: the instance is lost.
+    /// It returned more than the host accepts: the instance is lost.
     TooMuch,
     /// It returned an error of its own; the instance lives.
     Error,
@@ -299,11 +301,11 @@ pub enum FaultKind {
     Start,
 }
 
-/// Answers a plugin's question to the `fence` import: a pure function of the immutable envelope and the step's input.
+/// Answers a plugin's call of the `fence` import: a pure function of the immutable envelope and the step's input.
 pub trait Judge: Send + Sync {
-    /// By how many metres the request's geometry holds, or why it does not.
+    /// The clearance of the request's geometry, in metres.
     ///
     /// # Errors
-    /// [`Refusal`] where the request would be rejected for its geometry or its figures.
+    /// [`Refusal`] if core would reject the request for its geometry or its figures.
     fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal>;
 }

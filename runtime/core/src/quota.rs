@@ -7,8 +7,8 @@ use crate::mutations::{Check, is_on};
 
 const MINUTE: Duration = Duration::from_secs(60);
 
-/// When something was done in the last minute: for limits of so many a minute, whichever minute it is (safety
-/// requirement 019).
+/// When something was done in the last minute, for a limit that holds in every span of one minute (safety requirement
+/// 019).
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct LastMinute {
@@ -16,7 +16,7 @@ pub(crate) struct LastMinute {
 }
 
 impl LastMinute {
-    /// Whether one more stays within `most` a minute.
+    /// Whether one more is within `most` a minute.
     pub(crate) fn has_room(&mut self, now: Timestamp, most: u32) -> bool {
         while self.at.front().is_some_and(|at| now.since(*at) >= MINUTE) {
             self.at.pop_front();
@@ -24,7 +24,7 @@ impl LastMinute {
         u32::try_from(self.at.len()).is_ok_and(|count| count < most) || !is_on(Check::MinuteRate)
     }
 
-    /// It has been done once more. Who asks [`LastMinute::has_room`] first keeps no more than the limit.
+    /// Notes that it was done once more. A caller that asks [`LastMinute::has_room`] first keeps the limit.
     pub(crate) fn add(&mut self, now: Timestamp) {
         self.at.push_back(now);
     }

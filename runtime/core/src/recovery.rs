@@ -1,15 +1,16 @@
-//! Recovery: what the monitor does where the vehicle is outside the fence after all, though everything that was sent had
-//! been judged (safety requirements 002, 019 and 020).
+//! Recovery: what the monitor does if the vehicle is outside the fence although everything that was sent had been
+//! judged (safety requirements 002, 019 and 020).
 //!
-//! Navigation jumps, and a current may be stronger than the mission's worst. The place of each sample, navigation's error
-//! around it, is held against the fence, its depth and its altitude against the zone's bands; an altitude that is not
-//! known is none that is left. A vehicle counts as outside once it has been so for `outside_for_s`, and as inside again
-//! once it has been inside by `back_by_m` for `back_for_s`.
+//! Navigation can jump, and a current can be stronger than the mission's worst. The place of each sample, widened by
+//! the error of navigation, is compared with the fence, and its depth and altitude with the bands of the zone. An
+//! unknown altitude does not count as too low. A vehicle counts as outside once it has been so for `outside_for_s`, and
+//! as inside again once it has been inside by `back_by_m` for `back_for_s`.
 //!
-//! Where the backseat has steered it there, or may have, a ladder is climbed, each step once and after its own time
-//! outside: leases end; our inserts that have not begun are cancelled, where the way that remains holds; the topside is
-//! told; the mission is aborted where the operator's table allows it. Until it is inside again no plugin's request is
-//! accepted. Where nothing of ours is active the way is the front seat's own: it is told of, and nothing is done.
+//! If the backseat has steered the vehicle there, or may have, recovery takes steps, each once and after its own time
+//! outside: leases end; our inserts that have not begun are cancelled, if the way that remains is inside the fence; the
+//! topside is told; the mission is aborted, if the operator's table allows it. Until the vehicle is inside again, no
+//! plugin's request is accepted. If nothing of ours is active, the way is the front seat's own: recovery reports it and
+//! does nothing.
 
 use std::time::Duration;
 
@@ -31,7 +32,7 @@ use crate::session::dispatch::Dispatch;
 use crate::settings::recovery::Recovery;
 use crate::timer::Timer;
 
-/// The steps of the ladder, in their order.
+/// The steps of recovery, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum Step {
@@ -42,7 +43,7 @@ enum Step {
 }
 
 impl Step {
-    /// After how long outside it is taken; `None` where it never is.
+    /// After how long outside the step is taken; `None` if never.
     fn after(self, table: &Recovery) -> Option<Duration> {
         match self {
             Self::Leases => Some(seconds(table.outside_for_s)),
@@ -62,41 +63,41 @@ impl Step {
     }
 }
 
-/// Where the vehicle is in respect of the fence.
+/// Where the vehicle is in relation to the fence.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Whereabouts {
-    /// The last place that was judged and good, with what it answers for.
+    /// The last place that was judged and is inside, with the surroundings for which that judgement holds.
     good: Option<Good>,
     /// When something of ours was last active.
     active: Option<Timestamp>,
     excursion: Option<Excursion>,
 }
 
-/// A time in which the vehicle is outside, as far as is known.
+/// A time in which the vehicle is outside, as far as core knows.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Excursion {
-    /// Since when, the times inside left out.
+    /// Since when. Each time inside moves it later, so that it does not count.
     since: Timestamp,
     /// `outside_for_s` have passed.
     confirmed: bool,
-    /// The backseat has steered it there, or may have.
+    /// The backseat has steered the vehicle there, or may have.
     ours: bool,
-    /// The next step; `None` above the last.
+    /// The next step; `None` after the last.
     step: Option<Step>,
-    /// Since when the newest samples are inside.
+    /// Since when the newest samples have been inside.
     inside: Option<Timestamp>,
-    /// Since when they are inside by enough.
+    /// Since when they have been inside by `back_by_m`.
     back: Option<Timestamp>,
-    /// The topside is to be told, and could not be yet: without control nothing leaves for it (safety requirement 014).
+    /// The topside must still be told: without control nothing can be sent to it (safety requirement 014).
     untold: bool,
-    /// What the newest place outside offends against.
+    /// Why the newest place outside is refused.
     refusal: Refusal,
 }
 
 impl Whereabouts {
-    /// Whether the ladder is being climbed: no plugin's request is accepted meanwhile.
+    /// Whether recovery takes its steps. Meanwhile no plugin's request is accepted.
     fn recovers(&self) -> bool {
         self.excursion
             .as_ref()
@@ -105,7 +106,7 @@ impl Whereabouts {
 }
 
 impl Whereabouts {
-    /// A new position: where the vehicle is, and what follows from it.
+    /// Judges a new position, and does what follows from it.
     pub(crate) fn watch_place(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) {
         if cx.control.running == Some(false) {
             return self.forget_excursion(cx);
@@ -142,11 +143,14 @@ impl Whereabouts {
         Ok(())
     }
 
-    /// Whether the vehicle may be where it is because of us: what it was sent on may carry it on for as long as what it
-    /// can reach is counted.
+    /// Whether the vehicle may be where it is because of us: what we sent last may carry it on for as long as it keeps
+    /// a modify, plus the delay of the link, the age of the navigation by which it was sent, and half a turn from its
+    /// first sign to its end.
     fn is_ours(&self, cx: &mut Context) -> bool {
         let limits = cx.monitor.limits();
-        let lasts_s = MODIFY_TIMEOUT.as_secs_f64() + limits.link_delay_max_s + 180.0 / limits.turn_rate_dps;
+        let turns_s = limits.turn_lag_s + 180.0 / limits.turn_rate_dps;
+        let late_s = limits.link_delay_max_s + limits.navigation_age_max_s;
+        let lasts_s = MODIFY_TIMEOUT.as_secs_f64() + late_s + turns_s;
         self.active
             .is_some_and(|active| cx.now.since(active) <= seconds(lasts_s))
     }
@@ -169,7 +173,7 @@ impl Whereabouts {
             excursion.since = excursion.since + now.since(inside);
         }
         if ours && !excursion.ours {
-            // Until now it was the front seat's own.
+            // Until now the way was the front seat's own.
             excursion.ours = true;
             excursion.confirmed = false;
             excursion.since = now;
@@ -206,13 +210,13 @@ impl Whereabouts {
         cx.timers.stop(Timer::Recovery);
     }
 
-    /// Takes the steps that are due, and sets when to come back for the next.
+    /// Takes the steps that are due, and sets the timer for the next one.
     pub(crate) fn climb(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) {
         loop {
             let Some(excursion) = &self.excursion else {
                 return;
             };
-            // What cannot be sent is no step taken; and where the vehicle is inside for the moment, none is due.
+            // Without the link nothing can be sent, so no step is taken. While the vehicle is inside, no step is due.
             if excursion.inside.is_some() || !cx.link.is_up() {
                 return cx.timers.stop(Timer::Recovery);
             }
@@ -240,7 +244,7 @@ impl Whereabouts {
             cx.control.recovering = excursion.ours;
             if !excursion.ours {
                 let text = format!(
-                    "the vehicle is outside: {}; nothing of ours is active, and nothing is done",
+                    "the vehicle is outside: {}; nothing of ours is active, so recovery does nothing",
                     refusal.detail()
                 );
                 return note(cx, text);
@@ -257,7 +261,10 @@ impl Whereabouts {
             Step::Inserts => {
                 note(cx, "still outside: inserts are cancelled".to_owned());
                 if !self.cancel_for_recovery(cx, capabilities, orders) {
-                    note(cx, "a way that would remain is worse: on to the next step".to_owned());
+                    note(
+                        cx,
+                        "an insert is kept, because the way without it is refused: the next step follows".to_owned(),
+                    );
                     self.take_step(cx, capabilities, orders);
                 }
             }
@@ -279,7 +286,8 @@ impl Whereabouts {
         }
     }
 
-    /// False where an insert was left to the vehicle because its way is worse.
+    /// Cancels our inserts that have not begun, and orders the end of the one that is flown if the table says so.
+    /// Returns false if an insert was left to the vehicle because the way without it was refused.
     fn cancel_for_recovery(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) -> bool {
         let all = capabilities.inserts.take_back_judged(cx, None);
         let begun = cx.outlook().chain().iter().any(|(_, _, begun)| *begun);
@@ -287,12 +295,12 @@ impl Whereabouts {
             return all;
         }
         if cx.settings.recovery.cancel_current {
-            // Judged there as the operator's own order is.
+            // That order is judged as if the operator gave it now.
             orders.order_in_advance(cx, capabilities, &Order::CancelCurrent);
         } else {
             note(
                 cx,
-                "the insert that is flown goes on: `cancel_current` is not set".to_owned(),
+                "the current insert continues: `cancel_current` is not set".to_owned(),
             );
         }
         all
@@ -308,7 +316,7 @@ impl Whereabouts {
         }
     }
 
-    /// Tells the topside, or keeps it for when control is back.
+    /// Tells the topside, or keeps the message until control is back.
     fn tell_topside(&mut self, cx: &mut Context, capabilities: &mut Capabilities, refusal: &Refusal) {
         let control = cx.control.armed && cx.lost_because().is_none();
         if let Some(excursion) = &mut self.excursion {
@@ -330,8 +338,8 @@ impl Whereabouts {
         }
     }
 
-    /// By how much it is outside, and where it is. In lower case: there are vehicles that take a sentence for the one whose
-    /// name its text contains.
+    /// By how much the vehicle is outside, and where it is. In lower case, because some vehicles take a sentence for
+    /// the command whose name its text contains.
     fn text_of(&self, cx: &mut Context, refusal: &Refusal) -> Text {
         let place = cx.vehicle.navigation.newest().map_or_else(String::new, |navigation| {
             format!(
@@ -361,7 +369,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ladder_that_makes_no_sense_is_named() {
+    fn an_invalid_recovery_table_is_named() {
         type Spoil = fn(&mut Recovery);
         assert_eq!(Recovery::default().validate(), Ok(()));
         let cases: [(&str, Spoil); 7] = [

@@ -1,5 +1,5 @@
-//! Why a request is refused before it is sent: data that ledger, log and plugins carry whole. Its line of text is made
-//! where people read it.
+//! Why a request is refused before it is sent, as data that ledger, log and plugins carry whole. Its line of text is
+//! made where people read it.
 
 mod boxes;
 mod figure;
@@ -22,98 +22,99 @@ use crate::monitor::limits::Grant;
 pub enum Refusal {
     /// Its geometry breaches a zone of the fence.
     Zone(Box<ZoneBreach>),
-    /// Its geometry leaves a box of the mission's limits for vehicles that hover, or comes into one.
+    /// Its geometry leaves an allowed box of a hovering vehicle, or enters a forbidden one.
     Box(Box<BoxBreach>),
-    /// A figure is out of its range: of the request, of the mission's limits, or of what is left of a cap or a rate.
+    /// A figure is out of its range: a figure of the request, one of the mission's limits, or what is left of a cap or
+    /// a rate.
     Figure(FigureBreach),
-    /// There is no control.
+    /// The backseat does not have control.
     Uncontrolled(Uncontrolled),
     /// The mission does not grant it.
     NotGranted(Grant),
-    /// The state of things does not allow it.
+    /// The state of the vehicle, of the runtime or of an earlier request does not allow it.
     State(Reason),
-    /// The state of things does not allow it for so much longer.
+    /// Such a state does not allow it for this much longer.
     Until {
-        /// What does not.
+        /// The state.
         reason: Reason,
-        /// For how long, seconds.
+        /// For how much longer, seconds.
         left_s: f64,
     },
-    /// A text holds a command's name in capitals, which some vehicles act on wherever it stands.
+    /// A text contains the name of a command in capitals. Some vehicles act on such a name anywhere in a sentence.
     CommandInText {
         /// The name's letters: `RMB`.
         letters: String,
-        /// Where it begins, bytes from the text's start.
+        /// Where the name begins, in bytes from the start of the text.
         at: usize,
     },
-    /// What is asked for cannot be written as a sentence; why.
+    /// The request cannot be written as a sentence, for this reason.
     Unwritable(String),
-    /// It would delay this request of an insert into a time for which that was not judged.
+    /// It would delay this insert into a time for which the insert was not judged.
     Delays {
-        /// The request's number in this run.
+        /// The number of the insert's request in this run.
         request: u64,
     },
-    /// The way back from an insert that waits, onto what this request would interrupt, does not hold.
+    /// The way back from a waiting insert onto what this request would interrupt is refused.
     WayBack(Box<Refusal>),
 }
 
-/// Which rule of the safety monitor refuses a request: what a plugin branches on.
+/// The rule of the safety monitor that refuses a request. Plugins branch on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
     /// It would leave the fence's keep-in zones.
     KeepIn,
-    /// It would come into a keep-out zone.
+    /// It would enter a keep-out zone.
     KeepOut,
     /// It would be shallower or deeper than a keep-in zone allows.
     Depth,
-    /// It would be nearer to the bottom than a keep-in zone allows.
+    /// It would be closer to the bottom than a keep-in zone allows.
     Altitude,
     /// The vehicle would surface where no zone allows it.
     Surfacing,
-    /// A zone is not valid for the whole of the time.
+    /// A zone is not valid for all of the time that the request needs.
     Time,
-    /// It would leave the box of a vehicle that hovers, or come into one to be kept out of.
+    /// It would leave the allowed box of a hovering vehicle, or enter a forbidden one.
     Station,
     /// A figure is out of its range.
     Limit,
     /// The mission does not grant it.
     Grant,
-    /// There is no control.
+    /// The backseat does not have control.
     Control,
-    /// The vehicle is outside the fence, and recovers.
+    /// The vehicle is outside the fence and is being recovered.
     Recovery,
     /// Navigation is stale, unsteady or missing.
     Navigation,
-    /// The vehicle's plan, or what it flies of it, is not known.
+    /// The vehicle's plan, or its current behavior, is unknown.
     Plan,
-    /// Another plugin comes before this one.
+    /// Another plugin steers with higher priority, or already uses what is asked for.
     Priority,
     /// Requests come too often.
     Rate,
-    /// The most of a mission, a plugin or a time is used up.
+    /// A limit of the mission, the plugin or the time is used up.
     Cap,
-    /// The tag names another request, or none.
+    /// The tag belongs to another request, or to none.
     Tag,
-    /// What is flown may not be interrupted.
+    /// The current behavior may not be interrupted.
     Interrupt,
     /// No SPI identifier is reserved on disk.
     Identifier,
-    /// The vehicle has not answered for an earlier insert.
+    /// It is unknown whether the vehicle has an earlier insert.
     Doubt,
-    /// A GPS hit is flown.
+    /// A GPS hit may be in progress.
     GpsHit,
     /// No acoustic window is open.
     Window,
     /// A text cannot be sent.
     Text,
-    /// The vehicle has just refused a modify, or not answered one.
+    /// The vehicle has just refused a modify, or left one unanswered.
     Pause,
-    /// The vehicle does not answer, and what is asked for cannot be taken back.
+    /// The vehicle does not answer, and the request could not be taken back.
     Heard,
-    /// The mission does not say how the vehicle reads a sentence.
+    /// The mission does not say which form of a sentence the vehicle understands.
     Layout,
-    /// Its plugin has failed.
+    /// The plugin has failed.
     Plugin,
     /// The state of the vehicle or of an earlier request does not allow it.
     State,
@@ -152,7 +153,7 @@ impl Rule {
         Self::State,
     ];
 
-    /// As logs and texts name it: `gps-hit`.
+    /// Its name in logs and texts: `gps-hit`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -219,8 +220,8 @@ impl Refusal {
         }
     }
 
-    /// The name of what exactly refuses, for logs and for plugins that branch on more than the rule: a figure's
-    /// (`speed`), a state's (`plan-unknown`), else the rule's.
+    /// The exact cause, for logs and for plugins that branch on more than the rule: the name of a figure (`speed`) or
+    /// of a state (`plan-unknown`), otherwise the name of the rule.
     #[must_use]
     pub fn cause(&self) -> &'static str {
         match self {
@@ -235,7 +236,7 @@ impl Refusal {
         }
     }
 
-    /// The zone, or the box, that is breached.
+    /// The zone or the box that the request breaches.
     #[must_use]
     pub fn zone(&self) -> Option<&str> {
         if let Self::Box(breach) = self.innermost() {
@@ -245,7 +246,7 @@ impl Refusal {
         }
     }
 
-    /// The breach of a fence's zone.
+    /// The breach of a zone of the fence.
     #[must_use]
     pub fn zone_breach(&self) -> Option<&ZoneBreach> {
         if let Self::Zone(breach) = self.innermost() {
@@ -265,26 +266,26 @@ impl Refusal {
         }
     }
 
-    /// The nearest edge of the fence's zone that is breached.
+    /// The nearest edge of the zone that the request breaches.
     #[must_use]
     pub fn edge(&self) -> Option<EdgePlace> {
         self.zone_breach().and_then(|breach| breach.edge)
     }
 
-    /// Of a figure: what it is, or would be.
+    /// The value of the figure, or what it would be.
     #[must_use]
     pub fn value(&self) -> Option<f64> {
         self.figure_breach().and_then(|breach| breach.value)
     }
 
-    /// The least that is allowed: of a figure, of a zone's depth or altitude.
+    /// The least allowed value: of a figure, or of a zone's depth or altitude.
     #[must_use]
     pub fn least(&self) -> Option<f64> {
         self.bound(&[ZoneRule::DepthMin, ZoneRule::AltitudeMin])
             .or_else(|| self.figure_breach().and_then(|breach| breach.least))
     }
 
-    /// The most that is allowed: of a figure, of a zone's depth.
+    /// The greatest allowed value: of a figure, or of a zone's depth.
     #[must_use]
     pub fn most(&self) -> Option<f64> {
         self.bound(&[ZoneRule::DepthMax])
@@ -296,7 +297,7 @@ impl Refusal {
         breach.bound_m
     }
 
-    /// How many metres are missing; `None` where metres are not its measure.
+    /// How many metres are missing; `None` if the cause is not a distance.
     #[must_use]
     pub fn missing_m(&self) -> Option<f64> {
         if let Self::Box(breach) = self.innermost() {
@@ -306,7 +307,8 @@ impl Refusal {
         }
     }
 
-    /// What refuses, without the figures that differ from one refusal to the next: refusals of one summary are of one kind.
+    /// The cause without the figures that differ from one refusal to the next. Refusals of one kind have the same
+    /// summary.
     #[must_use]
     pub fn summary(&self) -> String {
         match self.innermost() {
@@ -369,10 +371,10 @@ impl fmt::Display for Detail<'_> {
             Refusal::Delays { request } => {
                 write!(
                     f,
-                    "it would delay insert {request} into a time for which that was not judged"
+                    "it would delay insert {request} into a time for which that insert was not judged"
                 )
             }
-            Refusal::WayBack(refusal) => write!(f, "on the way back from an insert that waits: {}", refusal.detail()),
+            Refusal::WayBack(refusal) => write!(f, "on the way back from a waiting insert: {}", refusal.detail()),
         }
     }
 }

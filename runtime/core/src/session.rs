@@ -1,4 +1,5 @@
-//! The session: connection, subscriptions, the plan's asking, silence, status (SPI 4, 7.1, 7.2, 7.19, 7.25).
+//! The session with the vehicle: connects, subscribes, asks for the plan, notices silence, and sends our status (SPI 4,
+//! 7.1, 7.2, 7.19, 7.25).
 
 pub(crate) mod commands;
 pub(crate) mod dispatch;
@@ -25,76 +26,78 @@ use crate::session::subscriptions::ACKNOWLEDGEMENTS;
 use crate::settings::StatusCondition;
 use crate::timer::Timer;
 
-/// The interface that we speak.
+/// The version of the interface that we speak.
 const VERSION: &str = "1.12";
-/// Navigation comes at 10 Hz: nothing for this long, and we subscribe anew.
+/// Navigation comes at 10 Hz. After this long without any, we subscribe again.
 const SILENT: Duration = Duration::from_secs(5);
-/// Nothing for this many times in a row, and the connection is reset.
+/// We reset the connection when [`SILENT`] has passed this many times in a row without navigation.
 const SILENCES_MAX: u32 = 3;
 const PLAN_RETRY: Duration = Duration::from_secs(5);
-/// So often a minute the vehicle's words have its plan asked for at once, and past that after a pause.
+/// How many times a minute a message of the vehicle makes us ask for its plan at once. After that we ask when
+/// [`PLAN_ASKED_ANEW`] has passed.
 const PLAN_ASKS_PER_MIN: u32 = 6;
 const PLAN_ASKED_ANEW: Duration = Duration::from_secs(10);
-/// What was not told of control when it changed too often is told so often.
+/// How often we report the changes of control that were too many to report one by one.
 const CATCH_UP_EVERY: Duration = Duration::from_secs(10);
 const RETRY_MIN_S: f64 = 0.5;
-/// The longest pause between two attempts to connect, chance included.
+/// The longest pause between two attempts to connect, including its random part.
 const RETRY_MAX_S: f64 = 10.0;
-/// Subscriptions that are not answered are sent again after 2, 4, 8, 16 and then every 32 s: there are vehicles that
-/// never acknowledge, and their link is not to be filled with asking.
+/// A subscription that is not answered is sent again after 2, 4, 8, 16 and then every 32 s. Some vehicles never
+/// acknowledge, and repeated subscriptions must not fill their link.
 const SUBSCRIPTION_DOUBLINGS: u32 = 4;
-/// Changes of control that are told of at once, and how long until one more is: a vehicle that hands over and takes back
-/// ten times a second does not fill the log.
+/// How many changes of control are reported at once, and how long it takes until one more is. So a vehicle that hands
+/// control over and takes it back ten times a second does not fill the log.
 const CONTROL_NOTES: u32 = 8;
 const CONTROL_NOTE_EVERY: Duration = Duration::from_secs(5);
-/// A change of the vehicle's clock against ours that is told of, nanoseconds.
+/// The smallest change of the vehicle's clock against ours that is reported, nanoseconds.
 const CLOCK_STEP_NANOS: i64 = 500_000_000;
 const CLOCK_NOTE_EVERY: Duration = Duration::from_secs(10);
 
-/// Speaks with the vehicle: connects, subscribes, asks for the plan, tells our status, and sees to it that both are heard.
+/// Talks to the vehicle: connects, subscribes, asks for the plan, sends our status, and checks that each side hears the
+/// other.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Session {
     #[cfg_attr(feature = "explore", serde(skip))]
     framer: Framer,
-    /// How many lines the framer had lost when it was last asked.
+    /// How many lines the framer had lost when we last asked it.
     lost: u64,
-    /// For the pauses between two attempts to connect.
+    /// Makes the pauses between two attempts to connect random.
     jitter: u64,
-    /// Connections tried since navigation last came.
+    /// Attempts to connect since navigation last came.
     attempts: u32,
-    /// How often in a row navigation has not come.
+    /// How many times in a row [`SILENT`] has passed without navigation.
     silences: u32,
     malformed: u64,
-    /// When the vehicle's words have had us ask for its plan.
+    /// When messages of the vehicle made us ask for its plan.
     plan_asks: LastMinute,
-    /// That nothing is acknowledged has been told on this connection.
+    /// We have reported that the vehicle does not answer in time, and it has not done so since.
     unheard_told: bool,
-    /// The vehicle's clock as it was last told of on this connection, and when.
+    /// The offset of the vehicle's clock that we last reported on this connection, and when.
     clock_told: Option<(i64, Timestamp)>,
     control_notes: ControlNotes,
 }
 
-/// A line of the vehicle's.
+/// A line that the vehicle sent.
 pub(crate) struct Line {
     pub(crate) message: Result<FromVehicle, DecodeError>,
-    /// It calls itself a BFPLN, readable or not.
+    /// Its name is BFPLN, whether or not it can be decoded.
     pub(crate) is_of_plan: bool,
-    /// It has another beginning in it. Where it cannot be read it may have swallowed a sentence.
+    /// It contains another `$`. If the line cannot be decoded, another sentence may be lost in it.
     pub(crate) swallows: bool,
 }
 
-/// How many changes of control are still told of, and what has not been.
+/// How many more changes of control may be reported at once, and how many were not reported.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 struct ControlNotes {
     left: u32,
-    /// When one more was let through last.
+    /// When `left` was last refilled.
     refilled: Timestamp,
     untold: u64,
-    /// When that was last looked at.
+    /// When `untold` was last checked.
     caught_up: Timestamp,
-    /// What was last told.
+    /// The state that was last reported: whether control was ours.
     told: bool,
 }
 
@@ -120,7 +123,7 @@ impl Session {
         }
     }
 
-    /// A new connection: says who we are, subscribes, and asks for the plan.
+    /// Begins a new connection: sends our version, subscribes, and asks for the plan.
     pub(crate) fn begin(&mut self, cx: &mut Context) {
         self.framer.clear();
         self.lost = self.framer.counts().lost();
@@ -139,7 +142,7 @@ impl Session {
         self.ask_for_plan(cx);
     }
 
-    /// The connection is gone: another is tried after a while.
+    /// The connection is gone: asks the driver to connect again after a pause.
     pub(crate) fn connect_again(&mut self, cx: &mut Context) {
         let retry_s = self.retry_s(cx);
         let counts = self.framer.counts();
@@ -150,17 +153,17 @@ impl Session {
         self.attempts = self.attempts.saturating_add(1);
     }
 
-    /// Sets when navigation will have stayed away.
+    /// Starts the timer that expires if no navigation comes.
     pub(crate) fn watch_silence(&self, cx: &mut Context) {
         cx.timers.set(Timer::Silence, cx.now + SILENT);
     }
 
-    /// Bytes from the vehicle, in any split.
+    /// Takes bytes from the vehicle, cut anywhere.
     pub(crate) fn push(&mut self, bytes: &[u8]) {
         self.framer.push(bytes);
     }
 
-    /// The next line that is whole.
+    /// The next complete line.
     pub(crate) fn next_line(&mut self) -> Option<Line> {
         let sentence = self.framer.next_sentence()?;
         Some(Line {
@@ -170,13 +173,13 @@ impl Session {
         })
     }
 
-    /// Whether anything was lost on the link since this was last asked.
+    /// Whether the framer has lost anything since the last call.
     pub(crate) fn take_lost(&mut self) -> bool {
         let lost = self.framer.counts().lost();
         core::mem::replace(&mut self.lost, lost) != lost
     }
 
-    /// Counts a sentence that cannot be read; how many there were. Told at 1, 10, 100, ...
+    /// Counts a sentence that cannot be decoded. Returns the count if it is one to report: 1, 10, 100, ...
     pub(crate) fn malformed(&mut self) -> Option<u64> {
         self.malformed += 1;
         is_told(self.malformed).then_some(self.malformed)
@@ -190,7 +193,7 @@ impl Session {
         self.watch_clock(cx);
     }
 
-    /// The vehicle hears us, and has just said what time it has.
+    /// The vehicle hears us: it has answered in time, and wrote that answer at `written`.
     pub(crate) fn is_heard(&mut self, cx: &mut Context, written: TimeOfDay) {
         self.unheard_told = false;
         if self.clock_told.is_none() {
@@ -198,10 +201,11 @@ impl Session {
         }
     }
 
-    /// An answer to BPRMP. True where the plan has come whole with it.
+    /// Handles an answer to BPRMP. Returns true if the plan is now complete.
     pub(crate) fn plan_answered(&mut self, cx: &mut Context, answer: Answer<'_>) -> bool {
         match answer {
-            // The series follows its own pending acknowledgement; what came before is of an earlier asking.
+            // The plan follows the pending acknowledgement of its request. Elements before that belong to an earlier
+            // request.
             Answer::Pending => self.begin_plan(cx),
             Answer::Done if cx.vehicle.plan.end(self.framer.counts().lost()) => {
                 let elements = cx.vehicle.plan.len();
@@ -213,14 +217,14 @@ impl Session {
         false
     }
 
-    /// The plan is asked for again in a while.
+    /// Asks for the plan again after [`PLAN_RETRY`].
     pub(crate) fn ask_for_plan_again(&self, cx: &mut Context) {
         cx.timers.set(Timer::Plan, cx.now + PLAN_RETRY);
     }
 }
 
 impl Session {
-    /// Control has changed hands: told at once, unless it does so all the time.
+    /// Control has changed: reports it at once, unless it has changed too often.
     pub(crate) fn tell_of_control(&mut self, cx: &mut Context, reason: Option<Uncontrolled>) {
         let granted = cx.control.granted;
         let notes = &mut self.control_notes;
@@ -239,7 +243,7 @@ impl Session {
         cx.note(Note::Control { granted, reason });
     }
 
-    /// What was not told of control when it changed too often.
+    /// Reports the changes of control that were too many to report one by one.
     pub(crate) fn catch_up_on_control(&mut self, cx: &mut Context) {
         let granted = cx.control.granted;
         let notes = &mut self.control_notes;
@@ -253,7 +257,7 @@ impl Session {
         }
         let changed = std::mem::replace(&mut notes.told, granted) != granted;
         cx.note(Note::Text {
-            text: format!("control has changed hands {untold} times more"),
+            text: format!("control has changed {untold} more times"),
         });
         if changed {
             cx.note(Note::Control {
@@ -263,7 +267,7 @@ impl Session {
         }
     }
 
-    /// The second's BPSTS (SPI 7.2), and what carries the beat beside it where the vehicle does not answer that.
+    /// Sends this second's BPSTS (SPI 7.2), and a BPLOG as the beat if the vehicle does not answer BPSTS.
     pub(crate) fn beat(&mut self, cx: &mut Context) {
         self.catch_up_on_control(cx);
         self.tell_what_was_counted(cx);
@@ -274,18 +278,18 @@ impl Session {
         cx.timers.set(Timer::Status, cx.now + BEAT_EVERY);
     }
 
-    /// Tells what was counted and not told.
+    /// Reports how many lines and rejections were counted but not logged.
     fn tell_what_was_counted(&self, cx: &mut Context) {
         let untold = cx.outbox.take_dropped();
         if untold > 0 {
-            let text = format!("{untold} lines more of what the vehicle said were left out");
+            let text = format!("{untold} more lines about what the vehicle said were left out");
             cx.note(Note::Text { text });
         }
         for plugin in cx.plugins.ids() {
             let untold = cx.plugins.take_dropped(plugin);
             if untold > 0 {
                 let name = cx.plugins.name(plugin);
-                let text = format!("{untold} requests more of {name} were over its rate and rejected");
+                let text = format!("{untold} more requests of {name} were over its rate and rejected");
                 cx.note(Note::Text { text });
             }
         }
@@ -323,8 +327,8 @@ impl Session {
         cx.transmit(&message, Some(command));
     }
 
-    /// Doubled at each attempt, half of it by chance, so that payloads that lost the vehicle together do not come back
-    /// together.
+    /// The pause before the next attempt to connect, seconds. It doubles at each attempt, and up to half of it is
+    /// random: payloads that lost the vehicle at the same time should not come back at the same time.
     pub(crate) fn retry_s(&self, cx: &Context) -> f64 {
         let doubled = 2.0 * RETRY_MIN_S * f64::from(1u32 << self.attempts.min(5));
         let mut bits = self.jitter ^ u64::from(self.attempts) ^ cx.now.as_nanos();
@@ -341,7 +345,7 @@ impl Session {
         }
     }
 
-    /// A message stays away that was subscribed.
+    /// Subscribes again to a message that does not come.
     pub(crate) fn subscribe_anew(&mut self, cx: &mut Context, message: &str) {
         if let Some(index) = cx.link.subscriptions.doubt(message) {
             self.subscribe(cx, index);
@@ -368,7 +372,7 @@ impl Session {
         cx.transmit(&message, Some(command));
     }
 
-    /// A command that leaves before acknowledgements are asked for.
+    /// A command that is sent before the subscription to acknowledgements.
     pub(crate) fn early(&self, cx: &Context, letters: &'static str, created: Option<TimeOfDay>) -> Command {
         Command {
             purpose: Purpose::Early,
@@ -386,7 +390,7 @@ impl Session {
                     text: format!("the vehicle refused the subscription to BF{message}: {text}"),
                 });
             }
-            // What it asked for may come all the same.
+            // The acknowledgement is missing, but the subscribed message comes.
             Answer::Missing if cx.link.subscriptions.is_confirmed(index) => {}
             Answer::Missing => self.subscribe(cx, index),
         }
@@ -411,8 +415,8 @@ impl Session {
         }
     }
 
-    /// What the vehicle says makes its plan worth asking for. It may say so a hundred times a second: then it is asked for
-    /// now and then.
+    /// A message of the vehicle shows that we need its plan again. The vehicle may send a hundred such messages a
+    /// second, so after the first few the request waits.
     pub(crate) fn want_plan(&mut self, cx: &mut Context) {
         if self.plan_asks.has_room(cx.now, PLAN_ASKS_PER_MIN) {
             self.plan_asks.add(cx.now);
@@ -425,14 +429,14 @@ impl Session {
         cx.vehicle.plan.begin(self.framer.counts().lost());
     }
 
-    /// The plan did not come: it is asked for again.
+    /// The plan did not come: asks for it again after [`PLAN_RETRY`].
     pub(crate) fn plan_failed(&mut self, cx: &mut Context) {
         cx.vehicle.plan.fail();
         cx.timers.set(Timer::Plan, cx.now + PLAN_RETRY);
     }
 
-    /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection, which the
-    /// first round trip does.
+    /// Reports the vehicle's clock if it has moved against ours since the last report on this connection. The first
+    /// report comes with the first good round trip.
     pub(crate) fn watch_clock(&mut self, cx: &mut Context) {
         let Some(offset) = cx.vehicle.navigation.clock().offset_nanos(cx.now) else {
             return;
@@ -449,7 +453,7 @@ impl Session {
         }
     }
 
-    /// Tells of the vehicle's clock, which has just said `written`.
+    /// Reports the vehicle's clock. `written` is the newest time that the vehicle has sent.
     pub(crate) fn tell_of_clock(&mut self, cx: &mut Context, written: TimeOfDay) {
         let Some(offset) = cx.vehicle.navigation.clock().offset_nanos(cx.now) else {
             return;
@@ -461,7 +465,7 @@ impl Session {
         });
     }
 
-    /// Keep-alive is by navigation, never by acknowledgements.
+    /// No navigation has come for [`SILENT`]. Only navigation keeps a connection alive; acknowledgements do not.
     pub(crate) fn silence(&mut self, cx: &mut Context) {
         self.silences += 1;
         if self.silences >= SILENCES_MAX {
@@ -471,7 +475,7 @@ impl Session {
             cx.outbox.push(Output::ResetLink);
         } else {
             cx.note(Note::Text {
-                text: "no navigation for 5 s: subscribing anew".to_owned(),
+                text: "no navigation for 5 s: subscribing again".to_owned(),
             });
             cx.link.subscriptions.doubt_all();
             self.subscribe_all(cx);
@@ -479,7 +483,7 @@ impl Session {
         cx.timers.set(Timer::Silence, cx.now + SILENT);
     }
 
-    /// What is done where the vehicle is not heard to answer. The lease has ended by then, and its BPEMB is on its way.
+    /// Acts if the vehicle does not answer in time. By then the lease has ended, and its BPEMB has been sent.
     pub(crate) fn remedy(&mut self, cx: &mut Context) {
         match cx.link.heartbeat.remedy(cx.now) {
             None => {}
@@ -495,7 +499,8 @@ impl Session {
         }
     }
 
-    /// Told once for each time that the answers stay away: it may be the vehicle's habit, and then it is never steered.
+    /// Reports that the vehicle does not answer in time, once until it does again. Some vehicles never answer, and
+    /// those are never steered.
     pub(crate) fn tell_that_unheard(&mut self, cx: &mut Context) {
         if cx.link.heartbeat.remedies() < 3 || core::mem::replace(&mut self.unheard_told, true) {
             return;
@@ -503,7 +508,7 @@ impl Session {
         let text = match cx.link.heartbeat.newest() {
             None => "the vehicle acknowledges nothing on this connection: it is not steered".to_owned(),
             Some(trip) => format!(
-                "the vehicle does not answer within {} s, the last time after {:.1} s: it is not steered",
+                "the vehicle does not answer within {} s (its last answer took {:.1} s): it is not steered",
                 cx.monitor.limits().link_delay_max_s,
                 trip.lasted().as_secs_f64()
             ),
@@ -513,7 +518,7 @@ impl Session {
 
     pub(crate) fn settle_heartbeat(&mut self, cx: &mut Context) {
         if !cx.timers.is_set(Timer::Status) {
-            // There is no link, or the logs are closed.
+            // There is no link, or the run has finished.
             return;
         }
         let lapses = cx.link.heartbeat.lapses_at().filter(|at| *at > cx.now);
@@ -523,7 +528,7 @@ impl Session {
     }
 }
 
-/// Whether something that is counted is told of at this count: at 1, 10, 100, ...
+/// Whether to report something that is counted at this count: at 1, 10, 100, ...
 pub(crate) fn is_told(count: u64) -> bool {
     let mut told = 1u64;
     while told < count {
@@ -532,7 +537,7 @@ pub(crate) fn is_told(count: u64) -> bool {
     told == count
 }
 
-/// A command's three letters.
+/// The name of a command, from its three letters.
 pub(crate) fn name(letters: &'static str) -> CommandName {
     CommandName::new(letters).expect("the names of our commands are three letters")
 }

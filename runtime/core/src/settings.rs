@@ -11,61 +11,64 @@ use crate::settings::external::ExternalSetup;
 use crate::settings::recovery::Recovery;
 use crate::vehicle::expected::ExpectedPlan;
 
-/// What hands control to the backseat.
+/// What gives control to the backseat.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ControlHook {
     /// BFCTL 1 (SPI 6.24).
     #[default]
     Bfctl,
-    /// The mission's running, for vehicles configured to hand over when it starts (SPI 6.24).
+    /// The mission is running, for vehicles configured to hand over when it starts (SPI 6.24).
     Running,
-    /// A mission command (BFMSC, SPI 5.1) with a text of the operator's.
+    /// Mission commands (BFMSC, SPI 5.1) with texts that the operator chooses.
     MissionCommand {
-        /// Hands control over.
+        /// The text that gives control.
         grant: String,
-        /// Takes it back.
+        /// The text that takes control back.
         revoke: String,
     },
 }
 
-/// How the session is held: the `[session]` table of a mission.
+/// How the runtime talks with the vehicle and the operator: the `[session]` table of a mission.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// What hands control to the backseat.
+    /// What gives control to the backseat.
     pub control: ControlHook,
     /// Which north BPRMB's heading is counted from.
     pub heading_frame: HeadingFrame,
-    /// The conditions under which BPSTS says 0, which feeds the vehicle's own fixed safety rules (SPI 3). None by
-    /// default: a plugin's failure is text.
+    /// The conditions in which BPSTS says 0, which feeds the vehicle's own fixed safety rules (SPI 3). By default there
+    /// are none: a plugin's failure is only reported as text.
     pub status_failed_when: Vec<StatusCondition>,
-    /// The mission command (BFMSC, SPI 5.1) with which the operator holds, blanks around it apart: latched, as every hold.
+    /// The mission command (BFMSC, SPI 5.1) with which the operator holds. Blanks around it do not count. Like every
+    /// hold, it lasts until a release.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hold_text: Option<String>,
-    /// The mission command with which the operator releases. Without it no text does.
+    /// The mission command with which the operator releases a hold. Without it no mission command does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub release_text: Option<String>,
-    /// Whether the vehicle reads the entry angle of a BPRTC: the table of SPI 7.6 has it, the header has not. `None` where
-    /// that is not known: the mission's `[vehicle]` table.
+    /// Whether the vehicle reads the entry angle of a BPRTC: the table of SPI 7.6 has it, the header does not. `None`
+    /// if that is not known. From the mission's `[vehicle]` table.
     #[serde(skip)]
     pub trackcircle_entry_angle: Option<bool>,
-    /// What is done where the vehicle is outside the fence after all: the mission's `[recovery]` table.
+    /// What the runtime does if the vehicle is outside the fence in spite of all checks: the mission's `[recovery]`
+    /// table.
     #[serde(skip)]
     pub recovery: Recovery,
-    /// What is done for the operator when something happens: the mission's `[[policy]]` tables.
+    /// What the runtime does for the operator when something happens: the mission's `[[policy]]` tables.
     #[serde(skip)]
     pub policies: Vec<Policy>,
-    /// Who may send what moves the vehicle's idea of where it is: the mission's `[[external]]` tables.
+    /// The external sources: the operator's programs that may send what no plugin may. From the mission's
+    /// `[[external]]` tables.
     #[serde(skip)]
     pub externals: Vec<ExternalSetup>,
-    /// The plan that the operator had checked: nothing that steers is sent until the vehicle's own has been found to be
-    /// the same on this connection. Where there is none, nothing is compared.
+    /// The plan that the operator checked. The runtime sends nothing that steers until the vehicle's own plan was found
+    /// to be the same on this connection. If `None`, nothing is compared.
     #[serde(skip)]
     pub expected_plan: Option<ExpectedPlan>,
 }
 
-/// A condition of ours that the operator may make the vehicle's affair.
+/// A condition of ours that BPSTS reports as a failure, if the operator lists it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StatusCondition {
@@ -80,12 +83,12 @@ pub enum StatusCondition {
 pub struct PluginSetup {
     /// Its name in the mission.
     pub name: String,
-    /// What it says of itself.
+    /// What it says about itself.
     pub description: Description,
     /// What it may do.
     pub grants: Vec<Grant>,
-    /// What is done when it fails.
+    /// What the runtime does when it fails.
     pub on_failure: FailAction,
-    /// What it may use of what the mission allows to all.
+    /// What it may use of what the mission allows to all plugins.
     pub limits: PluginLimits,
 }

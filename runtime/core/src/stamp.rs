@@ -3,19 +3,19 @@ use std::time::Duration;
 
 use backseat_units::{TimeOfDay, Timestamp, Utc};
 
-/// A stamp is moved on because of an earlier one for so long after that; later it is another day's.
+/// How long an earlier stamp can move a new one on. After that, the earlier one is another day's.
 const BURST: Duration = Duration::from_secs(60);
 
-/// Gives our sentences their timestamps: UTC in whole milliseconds, never the same twice running for one name, so that
-/// an acknowledgement's echo names exactly one command. Never midnight to the millisecond, which in an echo means that
-/// there was no time.
+/// Gives our sentences their timestamps: UTC in whole milliseconds. Two sentences in a row of one name never have the
+/// same stamp, so the echo in an acknowledgement names exactly one command. No stamp is midnight to the millisecond,
+/// which in an echo means that there was no time.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Stamper {
     utc_at_start: Utc,
     /// By how much our computer's clock was set since then, nanoseconds.
     set_nanos: i64,
-    /// By name, with the time at which it was given.
+    /// The last stamp of each name, and when it was given.
     last: BTreeMap<&'static str, (TimeOfDay, Timestamp)>,
 }
 
@@ -33,7 +33,7 @@ impl Stamper {
         self.utc_at_start + Duration::from_nanos(now.as_nanos())
     }
 
-    /// Our UTC at a time, as the computer has it now: for zones that are valid for a time.
+    /// Our UTC at a time, by the computer's clock as it is set now: for zones that are valid for a limited time.
     pub(crate) fn zone_utc(&self, at: Timestamp) -> Utc {
         let nanos = self.utc(at).as_unix_nanos();
         Utc::from_unix_nanos(nanos.saturating_add_signed(self.set_nanos))
@@ -44,8 +44,9 @@ impl Stamper {
         self.set_nanos
     }
 
-    /// The computer's clock was set, by so much since the start; the seconds since it was last. Stamps stay on the clock of
-    /// the start, or answers would seem to come from another time; zones follow.
+    /// The computer's clock was set, in all by this much since the start. Returns by how many seconds it was set now.
+    /// Stamps stay on the clock of the start, or answers would seem to come from another time. Zones follow the new
+    /// clock.
     pub(crate) fn set(&mut self, by_nanos: i64) -> f64 {
         let before = core::mem::replace(&mut self.set_nanos, by_nanos);
         by_nanos.saturating_sub(before) as f64 / 1e9

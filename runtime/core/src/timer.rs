@@ -3,7 +3,7 @@ use backseat_units::Timestamp;
 /// Why core wants to be called again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Timer {
-    /// The logs must be closed: power goes. Nothing comes before it, nor after.
+    /// The logs must be closed, because the power will be cut. Nothing comes before this or after it.
     Shutdown,
     /// The lease's term is over. What ends a lease comes before what refreshes it.
     Term,
@@ -21,13 +21,13 @@ pub(crate) enum Timer {
     Relative,
     /// Navigation has not come since the link came up or since it stopped.
     Silence,
-    /// What cannot be taken back has waited for an answer of the vehicle for long enough.
+    /// A request that cannot be taken back has waited for long enough for an answer of the vehicle.
     Irrevocable,
-    /// The plan is due to be asked for.
+    /// It is time to ask for the plan.
     Plan,
-    /// BPSTS is due, and with it the beat.
+    /// BPSTS is due, and with it the heartbeat.
     Status,
-    /// The newest round trip speaks no longer for the link, or something is due against that.
+    /// The newest good round trip no longer shows that the vehicle hears us, or a remedy is due.
     Heartbeat,
     /// Silent mode has lapsed by itself.
     Silent,
@@ -41,7 +41,7 @@ pub(crate) enum Timer {
     Order,
     /// A policy's condition has lasted for long enough.
     Policy,
-    /// The cancel of an insert that the runtime takes back is sent again.
+    /// The runtime sends a cancel of its own again.
     Recall,
     /// The next step of recovery is due.
     Recovery,
@@ -112,7 +112,7 @@ impl Timers {
         self.at.iter().flatten().min().copied()
     }
 
-    /// Takes an expired timer, in the order of the list.
+    /// Takes one expired timer, in the order of the list.
     pub(crate) fn expired(&mut self, now: Timestamp) -> Option<Timer> {
         for timer in Timer::ALL {
             let at = &mut self.at[timer as usize];

@@ -26,7 +26,7 @@ use crate::vehicle::plan::Plan;
 use crate::vehicle::previous_run::PreviousRun;
 use crate::vehicle::relative::Track;
 
-/// What is believed of the vehicle. Each part follows what the vehicle says of one thing.
+/// What core believes of the vehicle. Each part follows what the vehicle reports about one thing.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Vehicle {
@@ -36,15 +36,16 @@ pub(crate) struct Vehicle {
     pub(crate) dive: Dive,
     pub(crate) plan: Plan,
     pub(crate) compared: Compared,
-    /// How far its mission is.
+    /// The phase of its mission.
     pub(crate) phase: Phase,
     pub(crate) courses: Courses,
     pub(crate) named_insert: NamedInsert,
     pub(crate) previous_run: PreviousRun,
-    /// Where its mission was suspended by station keeping that is over: it may not have gone on yet, for the vehicle may
-    /// return there first, and one that is suspended meanwhile stands where it stood (8.3).
+    /// Where station keeping that has ended suspended the mission. The mission may not have gone on yet, because the
+    /// vehicle may return to that place first. If it is suspended again before that, it is still suspended at that
+    /// place (8.3).
     pub(crate) suspended: Vec<Suspended>,
-    /// A plugin counts on its silence.
+    /// A plugin relies on silent mode.
     pub(crate) silent: bool,
 }
 
@@ -67,7 +68,7 @@ impl Vehicle {
         }
     }
 
-    /// The connection is new or gone: its samples and its plan are.
+    /// The connection is new or gone: forgets its samples and its plan.
     pub(crate) fn reset(&mut self) {
         self.navigation.reset();
         self.relative.reset();
@@ -75,18 +76,18 @@ impl Vehicle {
         self.forget_plan();
     }
 
-    /// The plan is not known, nor whether it is the expected one.
+    /// Forgets the plan, and whether it is the expected one.
     pub(crate) fn forget_plan(&mut self) {
         self.plan.forget();
         self.compared = Compared::default();
     }
 
-    /// Its mission goes on, for a behavior has begun or it is over.
+    /// The mission has gone on: a behavior has begun, or the mission is over. So it is not suspended anywhere.
     pub(crate) fn mission_goes_on(&mut self) {
         self.suspended.clear();
     }
 
-    /// Something was not heard, which may have been a begin or an end of what is flown.
+    /// A message was lost. It may have been the begin or the end of what is flown.
     pub(crate) fn invalidate_after_loss(&mut self) {
         self.plan.invalidate_after_loss();
         self.courses.invalidate_after_loss();

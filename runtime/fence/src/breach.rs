@@ -1,4 +1,4 @@
-//! A breach as data that outlives the fence: what a log keeps, and what a plugin branches on.
+//! A breach as data that outlives the fence. Logs keep it, and plugins decide by it.
 
 use core::fmt;
 
@@ -10,50 +10,50 @@ use crate::window::{Span, Window};
 /// What a request breaches, in the terms of the fence's file. Its text is made when it is printed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ZoneBreach {
-    /// What is offended against.
+    /// The rule that is breached.
     pub rule: Rule,
-    /// The zone that is breached, or that came nearest to holding; none where a number is unusable, and where the vehicle
-    /// would surface and no zone allows it.
+    /// The zone that is breached, or the keep-in zone whose fault is the smallest; `None` if a number is unusable, and
+    /// if the vehicle would surface and no zone allows it.
     pub zone: Option<String>,
-    /// How many metres are missing, over 0; none where metres are not its measure.
+    /// How many metres are missing, over 0; `None` if the rule is not measured in metres.
     pub missing_m: Option<f64>,
-    /// Of depth and altitude: what the zone allows, metres.
+    /// For rules of depth and altitude: the limit of the zone, metres.
     pub bound_m: Option<f64>,
     /// The zone's margin, metres.
     pub margin_m: f64,
     /// The nearest edge, and the place on it.
     pub edge: Option<EdgePlace>,
-    /// Of [`Rule::Closed`]: when the zone is valid.
+    /// For [`Rule::Closed`]: when the zone is valid.
     pub valid: Option<Window>,
-    /// Of [`Rule::Closed`]: the time that was asked for; none where it is unknown.
+    /// For [`Rule::Closed`]: the time of the question; `None` if it is unknown.
     pub asked: Option<Span>,
-    /// Of [`Rule::NotFinite`]: which number is unusable.
+    /// For [`Rule::NotFinite`]: which number is unusable.
     pub number: Option<String>,
 }
 
-/// An edge of a zone, and the place on it that is nearest. All counts begin with 1.
+/// An edge of a zone, and the nearest place on it. Everything counts from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EdgePlace {
     /// Which polygon of the zone.
     pub polygon: usize,
-    /// Which hole of the polygon; none for the outer ring.
+    /// Which hole of the polygon; `None` for the outer ring.
     pub hole: Option<usize>,
     /// The edge from the ring's vertex of this number to the next one.
     pub number: usize,
-    /// Where on the edge, degrees north.
+    /// The place on the edge, degrees north.
     pub latitude_deg: f64,
-    /// Where on the edge, degrees east.
+    /// The place on the edge, degrees east.
     pub longitude_deg: f64,
 }
 
 impl ZoneBreach {
-    /// What is breached, without the figures that differ from one breach to the next.
+    /// The breach without the figures that differ from one breach to the next.
     #[must_use]
     pub fn summary(&self) -> String {
         let name = self.zone.as_deref().unwrap_or_default();
         match self.rule {
             Rule::NotFinite => "not a usable number".to_owned(),
-            Rule::Closed => format!("keep-in zone '{name}' is not valid then"),
+            Rule::Closed => format!("keep-in zone '{name}' is not valid at that time"),
             Rule::Surfacing if self.zone.is_none() => "no keep-in zone allows surfacing".to_owned(),
             Rule::Surfacing => format!("outside keep-in zone '{name}', which allows surfacing"),
             Rule::DepthMin => format!("shallower than keep-in zone '{name}' allows"),
@@ -77,7 +77,10 @@ impl fmt::Display for ZoneBreach {
             }
             Rule::Closed => {
                 let valid = self.valid.unwrap_or_default();
-                write!(f, "keep-in zone '{name}' is valid {valid} only, asked for ")?;
+                write!(
+                    f,
+                    "keep-in zone '{name}' is valid only {valid}, and the request is for "
+                )?;
                 return match self.asked {
                     Some(span) => write!(f, "{span}"),
                     None => write!(f, "an unknown time"),
@@ -117,7 +120,7 @@ impl fmt::Display for EdgePlace {
     }
 }
 
-/// A length in a text: to the decimetre, small ones as they are.
+/// A length in a text, to the decimetre; smaller lengths with an exponent.
 struct Metres(f64);
 
 impl fmt::Display for Metres {

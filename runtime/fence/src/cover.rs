@@ -1,4 +1,4 @@
-//! Keep-in zones that nobody can reach, as a keep-out zone covers them.
+//! Finds keep-in zones that nobody can reach because a keep-out zone covers them.
 
 use geo::{Area, BooleanOps, Euclidean, Length};
 use parry2d_f64::math::Vector;
@@ -7,19 +7,19 @@ use crate::outline::geometry;
 use crate::polygon::Polygon;
 use crate::zone::{Band, Kind, Zone};
 
-/// What is left of a zone within so much of its edge is nothing, metres: edges follow the lines of the file to a
-/// centimetre, so that two along one line may lie twice that apart.
+/// A remainder of a zone within this distance of its edge counts as nothing, metres. Edges follow the lines of the file
+/// to a centimetre, so two edges along one line may be twice that apart.
 const SLACK_M: f64 = 0.02;
 
-/// Which polygon lies in which keep-out zone, counted from 0.
+/// Which polygon of which keep-in zone lies in which keep-out zone, counted from 0.
 pub(crate) struct Covered {
     pub(crate) keep_in: usize,
     pub(crate) polygon: usize,
     pub(crate) keep_out: usize,
 }
 
-/// The first keep-in polygon that lies wholly inside one keep-out polygon, whose zone counts wherever and whenever
-/// the keep-in zone holds.
+/// The first keep-in polygon that lies wholly inside one keep-out polygon, whose zone counts at all depths and times at
+/// which the keep-in zone is valid.
 pub(crate) fn find(zones: &[Zone]) -> Option<Covered> {
     for (keep_in, zone) in zones.iter().enumerate() {
         for (keep_out, other) in zones.iter().enumerate() {
@@ -62,7 +62,7 @@ fn always_counts(keep_out: &Zone, keep_in: &Zone) -> bool {
     depths && from && until
 }
 
-/// Whether one polygon lies in another: nothing is left of it, or slivers about as thin as the slack.
+/// Whether one polygon lies in another: nothing is left of it, or only slivers about as thin as the slack.
 fn covers(whole: &Polygon, part: &Polygon) -> bool {
     let slack = Vector::splat(SLACK_M);
     let in_box = (part.min + slack).cmpge(whole.min).all() && (part.max - slack).cmple(whole.max).all();

@@ -1,54 +1,54 @@
 use core::fmt;
 
-/// Why a fence was refused. One line each; the caller names the file.
+/// Why a fence was refused. Each text is one line, to which the caller adds the file's name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FenceError {
-    /// Not JSON, or one that names a key twice.
+    /// The text is not JSON, or has a key twice.
     #[error("line {line} column {column}: {message}")]
     Json {
         /// Counted from 1.
         line: usize,
         /// Counted from 1.
         column: usize,
-        /// What the parser says.
+        /// The parser's message.
         message: String,
     },
-    /// Not XML.
+    /// The text is not XML.
     #[error("line {line}: {message}, expected well-formed XML")]
     Xml {
         /// Counted from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
-    /// JSON, but not of the form of GeoJSON.
+    /// The text is JSON, but does not have the form of GeoJSON.
     #[error("{place}: {found}, expected {expected}")]
     Form {
-        /// Where in the document.
+        /// The place in the document.
         place: String,
-        /// What is there.
+        /// What was found.
         found: String,
-        /// What should be.
+        /// What was expected.
         expected: &'static str,
     },
-    /// A key that has no meaning here.
+    /// An unknown key.
     #[error("{place}: unknown key `{key}`, expected {expected}")]
     UnknownKey {
-        /// Where in the document.
+        /// The place in the document.
         place: String,
         /// The key.
         key: String,
-        /// The keys that have a meaning.
+        /// The known keys.
         expected: &'static str,
     },
-    /// A property that must be there.
+    /// A missing property.
     #[error("{feature}: `{key}` is missing, expected {expected}")]
     MissingKey {
         /// The feature.
         feature: String,
         /// The key.
         key: &'static str,
-        /// What it should hold.
+        /// What was expected.
         expected: &'static str,
     },
     /// A property whose value is not allowed.
@@ -58,48 +58,48 @@ pub enum FenceError {
         feature: String,
         /// The key.
         key: &'static str,
-        /// Its value, as JSON.
+        /// The value, as JSON.
         found: String,
-        /// What it should hold.
+        /// What was expected.
         expected: String,
     },
-    /// Two features of one name.
-    #[error("feature {second}: `name` is '{name}', as that of feature {first}, expected unlike names")]
+    /// Two features with one name.
+    #[error("feature {second}: `name` is '{name}', the same as that of feature {first}, expected different names")]
     DuplicateName {
         /// The name.
         name: String,
-        /// The feature that has it first, from 1.
+        /// The first feature with the name, from 1.
         first: usize,
-        /// The feature that has it again, from 1.
+        /// The second feature with the name, from 1.
         second: usize,
     },
     /// A collection without features.
     #[error("no features, expected at least one keep-in zone")]
     Empty,
-    /// Keep-out zones only: the vehicle could be nowhere.
+    /// There are only keep-out zones, so the vehicle could be nowhere.
     #[error("no keep-in zone among {features} features, expected at least one")]
     NoKeepIn {
-        /// How many features there are.
+        /// The number of features.
         features: usize,
     },
-    /// More vertices than are taken, those that divide long edges included.
+    /// Too many vertices, including those that divide long edges.
     #[error("{found} vertices up to here, expected at most {limit}")]
     TooManyVertices {
-        /// How many there are, or would be.
+        /// How many vertices there are, or would be.
         found: usize,
-        /// How many are taken.
+        /// How many are accepted.
         limit: usize,
     },
-    /// A position that is none, or too near to a pole for the plane.
+    /// A vertex that is not a position, or is too near to a pole for the plane.
     #[error("{place} vertex {vertex}: {found}, expected {expected}")]
     Vertex {
         /// The ring, or the feature.
         place: String,
         /// The vertex, from 1.
         vertex: usize,
-        /// What is there.
+        /// What was found.
         found: String,
-        /// What should be.
+        /// What was expected.
         expected: &'static str,
     },
     /// A keep-in corridor whose line turns so tightly that its sides would cross.
@@ -111,7 +111,7 @@ pub enum FenceError {
         feature: String,
         /// The vertex of its line, from 1.
         vertex: usize,
-        /// Half of its width.
+        /// Half of its width, metres.
         half_width_m: f64,
     },
     /// The last vertex is not the first.
@@ -122,7 +122,7 @@ pub enum FenceError {
         /// The last vertex, from 1.
         last: usize,
     },
-    /// A ring of less than three distinct vertices.
+    /// A ring with fewer than three distinct vertices.
     #[error("{place}: {found} distinct vertices, expected at least 3")]
     TooFewVertices {
         /// The ring.
@@ -131,7 +131,7 @@ pub enum FenceError {
         found: usize,
     },
     /// A ring whose vertices lie on one line.
-    #[error("{place}: zero area, all vertices lie on one line, expected a ring that encloses something")]
+    #[error("{place}: zero area, all vertices lie on one line, expected a ring that encloses an area")]
     ZeroArea {
         /// The ring.
         place: Place,
@@ -145,9 +145,9 @@ pub enum FenceError {
         place: Place,
         /// The vertex, from 1.
         vertex: usize,
-        /// Where, degrees.
+        /// The latitude, degrees.
         latitude: f64,
-        /// Where, degrees.
+        /// The longitude, degrees.
         longitude: f64,
     },
     /// Two edges of a polygon that cross or come within a micrometre of each other.
@@ -159,17 +159,17 @@ pub enum FenceError {
         place: Place,
         /// The first edge: from this vertex to the next one.
         edge: usize,
-        /// The ring of the second edge and a blank, where it is another one of the same polygon; else empty.
+        /// The ring of the second edge and a blank, if it is another ring of the same polygon; otherwise empty.
         other: String,
         /// The second edge.
         other_edge: usize,
-        /// Where, degrees.
+        /// The latitude, degrees.
         latitude: f64,
-        /// Where, degrees.
+        /// The longitude, degrees.
         longitude: f64,
     },
     /// A hole that is not inside its outer ring.
-    #[error("{place}: hole lies outside of its polygon, expected it inside the outer ring")]
+    #[error("{place}: hole lies outside its polygon, expected a hole inside the outer ring")]
     HoleOutside {
         /// The hole.
         place: Place,
@@ -192,21 +192,21 @@ pub enum FenceError {
         /// The highest longitude, degrees.
         east: f64,
     },
-    /// A fence too wide for one plane.
-    #[error("{place}: farthest out of a fence {across_km:.1} km across, expected at most {limit_km} km")]
+    /// A fence that is too wide for one plane.
+    #[error("{place}: farthest out in a fence {across_km:.1} km across, expected at most {limit_km} km")]
     TooWide {
-        /// The vertex that is farthest from the middle of them all, or the feature.
+        /// The vertex or feature that is farthest from the middle of all.
         place: String,
-        /// Its greater side, from west to east or from south to north.
+        /// The greater side of the fence, from west to east or from south to north.
         across_km: f64,
-        /// What is taken.
+        /// The greatest side that is accepted.
         limit_km: f64,
     },
-    /// A keep-in zone that lies wholly inside a keep-out zone which counts at all its depths and times: two that
+    /// A keep-in zone that lies wholly inside a keep-out zone which counts at all its depths and times: two zones that
     /// were mistaken for each other, or one that was drawn too large.
-    #[error("{place}: lies wholly inside keep-out zone '{keep_out}', expected a part that can be reached")]
+    #[error("{place}: lies wholly inside keep-out zone '{keep_out}', expected a part that the vehicle can reach")]
     Excluded {
-        /// The polygon of the keep-in zone, by its outer ring.
+        /// The outer ring of the keep-in zone's polygon.
         place: Place,
         /// The name of the keep-out zone.
         keep_out: String,
@@ -214,14 +214,14 @@ pub enum FenceError {
     /// A keep-in zone in which no point keeps the margin.
     #[error("{place}: `margin_m` of {margin_m} leaves nothing inside, expected under {:.3}, half of its width", width_m / 2.0)]
     NothingReachable {
-        /// The polygon, by its outer ring.
+        /// The polygon's outer ring.
         place: Place,
         /// The margin.
         margin_m: f64,
-        /// An upper bound of the widest circle inside, metres across.
+        /// An upper bound of the diameter of the widest circle inside, metres.
         width_m: f64,
     },
-    /// A fault that does not say itself where it is.
+    /// A fault whose text does not say where it is.
     #[error("{feature}: {fault}")]
     Within {
         /// The feature.
@@ -234,16 +234,16 @@ pub enum FenceError {
 /// A ring of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The feature, by its name, or by its number where it has none.
+    /// The feature's name, or its number if it has none.
     pub feature: String,
-    /// Which polygon, from 1; none for the one of a `Polygon`.
+    /// Which polygon, from 1; `None` for the single one of a `Polygon`.
     pub polygon: Option<usize>,
-    /// Which hole, from 1; none for the outer ring.
+    /// Which hole, from 1; `None` for the outer ring.
     pub hole: Option<usize>,
 }
 
 impl Place {
-    /// The ring within its polygon: `outer ring`, `hole 2`.
+    /// The name of the ring in its polygon: `outer ring`, `hole 2`.
     #[must_use]
     pub fn ring(&self) -> String {
         self.hole

@@ -13,7 +13,7 @@ use crate::verdict::{Breach, Clearance, EdgeId, EdgeInfo};
 use crate::window::{Span, Window};
 use crate::zone::Zone;
 
-/// Where the vehicle may be. Immutable, cheap to clone, shared between threads.
+/// The area in which the vehicle may be. Immutable, cheap to clone, shared between threads.
 #[derive(Clone)]
 pub struct Fence {
     map: Arc<Map>,
@@ -30,16 +30,16 @@ impl fmt::Debug for Fence {
 }
 
 impl Fence {
-    /// Reads a fence; the crate's front page tells its form.
+    /// Reads a fence. The crate's documentation describes the form of the file.
     ///
     /// # Errors
-    /// The first fault that is found, with the feature, the ring and the vertex or key, and what was expected.
+    /// The first fault, with the feature, the ring and the vertex or key, and what was expected.
     pub fn from_geojson(text: &str) -> Result<Self, FenceError> {
         crate::load::geojson(text).map(Self::new)
     }
 
     /// Reads the `geoFence` of a plan file of QGroundControl: its polygons and circles, named `polygon 1` and so on in
-    /// the order of the file. What such a file cannot say, `terms` say.
+    /// the order of the file. `terms` give the values that such a file cannot have.
     ///
     /// # Errors
     /// As [`Fence::from_geojson`].
@@ -47,10 +47,10 @@ impl Fence {
         crate::load::plan(text, terms).map(Self::new)
     }
 
-    /// Reads the placemarks of a KML file (OGC 12-007r2): `Polygon` and `MultiGeometry` of them, `Point` as a circle and
-    /// `LineString` as a corridor. The placemark's name is the zone's; its `ExtendedData` bear the other properties, under
-    /// the keys of the GeoJSON form, of which `kind` must be there, and a `TimeSpan` is its window. What else is
-    /// absent, `terms` say.
+    /// Reads the placemarks of a KML file (OGC 12-007r2): `Polygon` and `MultiGeometry` of polygons, `Point` as a
+    /// circle and `LineString` as a corridor. The placemark's name is the zone's name. Its `ExtendedData` have the
+    /// other properties, with the keys of the GeoJSON form; `kind` is required. Its `TimeSpan` is the zone's window.
+    /// `terms` give the other values that are absent.
     ///
     /// # Errors
     /// As [`Fence::from_geojson`], with the line of the placemark.
@@ -64,7 +64,7 @@ impl Fence {
         }
     }
 
-    /// The plane of all shapes that this fence checks, around the centroid of its keep-in zones.
+    /// The plane of all shapes that this fence checks. Its origin is the centroid of the keep-in zones.
     #[must_use]
     pub fn frame(&self) -> &LocalFrame {
         &self.map.frame
@@ -75,7 +75,7 @@ impl Fence {
         self.map.zones.iter()
     }
 
-    /// What an edge of this fence is in the terms of its file; none for an edge that this fence does not have.
+    /// Describes an edge in the terms of the fence's file; `None` if this fence does not have the edge.
     #[must_use]
     pub fn describe_edge(&self, edge: EdgeId) -> Option<EdgeInfo<'_>> {
         let polygon = self
@@ -90,19 +90,19 @@ impl Fence {
     /// Judges everything that the vehicle may touch.
     ///
     /// # Errors
-    /// The [`Breach`]: what does not hold, by how many metres, and where. Where no keep-in zone holds, it is told of
-    /// the one whose worst fault is the smallest.
+    /// The [`Breach`]: the broken rule, by how many metres, and where. If no keep-in zone contains the sweep, the
+    /// breach describes the zone whose worst fault is the smallest.
     pub fn check(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
         self.ask(sweep, vertical, None, false, None)
     }
 
-    /// Whether any zone is valid for a time only, so that the answers depend on when.
+    /// Whether any zone is valid for a limited time, so that the answers depend on the time.
     #[must_use]
     pub fn changes(&self) -> bool {
         self.zones().any(|zone| zone.window() != Window::default())
     }
 
-    /// Whether a zone begins or ceases to be valid within a stretch of time, both ends included.
+    /// Whether a zone begins or stops being valid within a span of time, both ends included.
     #[must_use]
     pub fn changes_within(&self, span: Span) -> bool {
         let within = |at: Option<Utc>| at.is_some_and(|at| span.from <= at && at <= span.until);
@@ -110,28 +110,43 @@ impl Fence {
             .any(|zone| within(zone.window().from) || within(zone.window().until))
     }
 
-    /// The fence as it is in a stretch of time: [`Fence::check`] and its sisters know no time, and take every zone that
-    /// is not always valid at its worst.
+    /// The fence during a span of time. [`Fence::check`] and the similar methods do not know the time, and assume the
+    /// worst for every zone that is not always valid.
     #[must_use]
     pub fn during(&self, span: Span) -> FenceDuring<'_> {
         FenceDuring { fence: self, span }
     }
 
-    /// Judges a place where the vehicle comes up to the surface: as [`Fence::check`], but only keep-in zones with
-    /// `surfacing` can hold it, their `depth_min_m` does not count, and keep-out zones count from the surface down to
-    /// the extent's deepest, whatever its shallowest is.
+    /// Judges a place where the vehicle surfaces. This is like [`Fence::check`] with three differences: only keep-in
+    /// zones with `surfacing` can contain the place, their `depth_min_m` does not count, and keep-out zones count from
+    /// the surface down to the extent's deepest depth, whatever its shallowest is.
     ///
     /// # Errors
-    /// The [`Breach`]; [`Rule::Surfacing`] where no zone that allows surfacing holds the sweep.
+    /// The [`Breach`]; [`Rule::Surfacing`] if no zone that allows surfacing contains the sweep.
     pub fn check_surfacing(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
         self.ask(sweep, vertical, None, true, None)
     }
 
-    /// As [`Fence::check`], of a way on which the vehicle may come to other depths than those of the extent, which are not
-    /// the asker's affair: from and to, metres. Keep-out zones count at all of them, keep-in zones by the extent alone.
+    /// As [`Fence::check_surfacing`], of a path on which the vehicle may also be at other depths: from and to, metres.
+    /// Keep-out zones count at all of them.
     ///
     /// # Errors
-    /// As [`Fence::check`]; [`Rule::NotFinite`] too where a depth is no number.
+    /// As [`Fence::check_surfacing`]; also [`Rule::NotFinite`] if a depth is not finite.
+    pub fn check_surfacing_passing(
+        &self,
+        sweep: &Sweep,
+        vertical: &VerticalExtent,
+        depths_m: [f64; 2],
+    ) -> Result<Clearance, Breach> {
+        self.ask(sweep, vertical, Some(depths_m), true, None)
+    }
+
+    /// As [`Fence::check`], for a way on which the vehicle may also reach depths outside the extent, for which the
+    /// caller does not answer. Keep-out zones count at all of `depths_m` (from and to, metres) and of the extent, and
+    /// keep-in zones are judged by the extent alone.
+    ///
+    /// # Errors
+    /// As [`Fence::check`]; also [`Rule::NotFinite`] if a depth is not a usable number.
     pub fn check_passing(
         &self,
         sweep: &Sweep,
@@ -150,7 +165,7 @@ impl Fence {
         span: Option<Span>,
     ) -> Result<Clearance, Breach> {
         if depths_m.is_some_and(|depths_m| !depths_m.iter().all(|metres| metres.abs() <= LIMIT_M)) {
-            return Err(self.map.unusable("depth that may be passed"));
+            return Err(self.map.unusable("depth that the vehicle may pass"));
         }
         if let Some(time) = unusable_span(span) {
             return Err(self.map.unusable(time));
@@ -177,10 +192,10 @@ impl Fence {
         }
     }
 
-    /// Judges a bare position: no radius, no margins, no depth. Keep-out zones count at whatever depth they have.
+    /// Judges a bare position, without radius, margins and depth. Keep-out zones count at whatever depth they have.
     ///
     /// # Errors
-    /// [`Rule::KeepIn`], [`Rule::KeepOut`] or [`Rule::NotFinite`]; an edge itself is outside of what it bounds.
+    /// [`Rule::KeepIn`], [`Rule::KeepOut`] or [`Rule::NotFinite`]. An edge itself is outside the zone that it bounds.
     pub fn contains(&self, point: EastNorth) -> Result<Clearance, Breach> {
         self.holds(point, None)
     }
@@ -205,7 +220,7 @@ impl Fence {
     }
 }
 
-/// A fence in a stretch of time ([`Fence::during`]).
+/// A fence during a span of time ([`Fence::during`]).
 #[derive(Clone, Copy, Debug)]
 pub struct FenceDuring<'a> {
     fence: &'a Fence,
@@ -216,7 +231,7 @@ impl FenceDuring<'_> {
     /// As [`Fence::check`], with the zones that are valid then.
     ///
     /// # Errors
-    /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
+    /// The [`Breach`]; [`Rule::Closed`] if the zone that would contain the sweep is not valid throughout.
     pub fn check(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
         self.fence.ask(sweep, vertical, None, false, Some(self.span))
     }
@@ -224,7 +239,7 @@ impl FenceDuring<'_> {
     /// As [`Fence::check_passing`], with the zones that are valid then.
     ///
     /// # Errors
-    /// As [`Fence::check_passing`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
+    /// As [`Fence::check_passing`]; [`Rule::Closed`] if the zone that would contain the sweep is not valid throughout.
     pub fn check_passing(
         &self,
         sweep: &Sweep,
@@ -237,15 +252,28 @@ impl FenceDuring<'_> {
     /// As [`Fence::check_surfacing`], with the zones that are valid then.
     ///
     /// # Errors
-    /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
+    /// The [`Breach`]; [`Rule::Closed`] if the zone that would contain the sweep is not valid throughout.
     pub fn check_surfacing(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
         self.fence.ask(sweep, vertical, None, true, Some(self.span))
+    }
+
+    /// As [`Fence::check_surfacing_passing`], with the zones that are valid then.
+    ///
+    /// # Errors
+    /// As [`Fence::check_surfacing_passing`]; [`Rule::Closed`] if the zone that would hold is not valid throughout.
+    pub fn check_surfacing_passing(
+        &self,
+        sweep: &Sweep,
+        vertical: &VerticalExtent,
+        depths_m: [f64; 2],
+    ) -> Result<Clearance, Breach> {
+        self.fence.ask(sweep, vertical, Some(depths_m), true, Some(self.span))
     }
 
     /// As [`Fence::contains`], with the zones that are valid then.
     ///
     /// # Errors
-    /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
+    /// The [`Breach`]; [`Rule::Closed`] if the zone that would contain the point is not valid throughout.
     pub fn contains(&self, point: EastNorth) -> Result<Clearance, Breach> {
         self.fence.holds(point, Some(self.span))
     }

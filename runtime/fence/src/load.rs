@@ -1,4 +1,5 @@
-//! From the text of a fence to its frame and zones: each form of file to raw zones, which are then judged alike.
+//! Makes the frame and the zones from the text of a fence. A reader for each file format makes raw zones, which are
+//! then checked in the same way.
 
 use std::collections::BTreeMap;
 
@@ -22,22 +23,22 @@ mod xml;
 
 use properties::Properties;
 
-/// More vertices are refused: a mistake, or an attempt to exhaust memory.
+/// More vertices are refused: they are a mistake, or an attempt to exhaust memory.
 pub(crate) const VERTICES_MAX: usize = 1_000_000;
 
-/// The frame's formulas lose their precision towards the poles.
+/// The greatest latitude, north or south: towards the poles, the frame's formulas lose their precision.
 const LATITUDE_MAX_DEG: f64 = 85.0;
 
 /// The greatest side of a fence, metres.
 const ACROSS_MAX_M: f64 = 50_000.0;
 
-/// Metres to a degree of latitude, at most (WGS84, at the pole).
+/// The greatest length of a degree of latitude, metres (WGS84, at the pole).
 const METRES_PER_DEG: f64 = 111_694.0;
 
 /// The frame and the zones in the order of the file.
 type Loaded = (LocalFrame, Vec<Zone>);
 
-/// A feature as it was read, before its rings are judged.
+/// A feature as it was read, before its rings are checked.
 struct RawZone {
     label: String,
     properties: Properties,
@@ -52,7 +53,7 @@ impl RawZone {
         self.polygons.iter().flatten()
     }
 
-    /// Both from 0; hole 0 is the outer ring.
+    /// Names a ring. Both numbers count from 0; hole 0 is the outer ring.
     fn place(&self, polygon: usize, hole: usize) -> Place {
         Place {
             feature: self.label.clone(),
@@ -62,7 +63,7 @@ impl RawZone {
     }
 
     fn circle(label: String, properties: Properties, centre: Position, radius_m: f64) -> Result<Self, FenceError> {
-        // Rings of positions wrap at the antimeridian.
+        // Rings of positions would wrap at the antimeridian.
         let reach_deg = radius_m / METRES_PER_DEG / backseat_units::math::cos(centre.latitude.as_deg().to_radians());
         let longitude = centre.longitude.as_deg();
         if longitude.abs() + 1.1 * reach_deg > 180.0 {
@@ -122,7 +123,7 @@ pub(crate) fn kml(text: &str, terms: &Terms) -> Result<Loaded, FenceError> {
     judged(kml::read(text, terms)?)
 }
 
-/// Frame and zones of zones that were read.
+/// Checks raw zones, and makes the frame and the zones from them.
 fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
     refuse_collection(&raw)?;
     let bounds = Bounds::of(&raw)?;
@@ -161,7 +162,7 @@ fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
     Ok((frame, zones))
 }
 
-/// What no zone shows alone.
+/// Refuses faults that no zone shows alone.
 fn refuse_collection(zones: &[RawZone]) -> Result<(), FenceError> {
     if zones.is_empty() {
         return Err(FenceError::Empty);
@@ -226,7 +227,7 @@ impl Bounds {
         self.north = self.north.max(position.latitude.as_deg());
     }
 
-    /// What spans more than half of the earth is taken to go the other way round.
+    /// An extent of more than half of the earth is taken to go the other way round.
     fn refuse_antimeridian(&self, place: &str) -> Result<(), FenceError> {
         if self.east - self.west > 180.0 {
             return Err(FenceError::Antimeridian {
@@ -238,7 +239,7 @@ impl Bounds {
         Ok(())
     }
 
-    /// A rough measure: far from its origin the frame's series mean nothing.
+    /// Refuses a fence by a rough measure of its size, because far from its origin the frame's series have no meaning.
     fn refuse_wide(&self, farthest: impl FnOnce() -> String) -> Result<(), FenceError> {
         let widest = self.south.abs().min(self.north.abs());
         let widest = if self.south <= 0.0 && self.north >= 0.0 {
@@ -259,11 +260,11 @@ impl Bounds {
     }
 }
 
-/// The frame around the centroid of the keep-in zones' outer rings, where the fence is small enough for one.
+/// The frame around the centroid of the keep-in zones' outer rings, if the fence is small enough for one frame.
 fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
     let (mut middle_east, mut middle_north) = ((bounds.west + bounds.east) / 2.0, (bounds.south + bounds.north) / 2.0);
     if !(middle_east.is_finite() && middle_north.is_finite()) {
-        // No position at all: any frame will do until the empty rings are refused.
+        // There is no position at all. Any frame will do until the empty rings are refused.
         (middle_east, middle_north) = (0.0, 0.0);
     }
     bounds.refuse_wide(|| farthest_vertex(zones))?;
@@ -288,7 +289,7 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
                     let cross = x * v - u * y;
                     (area + cross, east + (x + u) * cross, north + (y + v) * cross)
                 });
-            // Either winding counts.
+            // Rings count in both directions.
             let sign = if moments.0 < 0.0 { -1.0 } else { 1.0 };
             area += sign * moments.0;
             east += sign * moments.1;
@@ -296,21 +297,21 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
         }
     }
     let (mut longitude, mut latitude) = (middle_east + east / (3.0 * area), middle_north + north / (3.0 * area));
-    // A ring that crosses itself has no such centroid; it is refused later, where its edges can be named.
+    // A ring that crosses itself may have no such centroid. It is refused later, where its edges can be named.
     if !bounds.contains(longitude, latitude) {
         (longitude, latitude) = (middle_east, middle_north);
     }
-    let origin = Position::from_deg(latitude, longitude).expect("the middle of legal positions is legal");
+    let origin = Position::from_deg(latitude, longitude).expect("the middle of valid positions is valid");
     Ok(LocalFrame::new(origin))
 }
 
-/// The vertex, or the round feature, that is farthest out.
+/// The vertex, circle or corridor that is farthest out.
 fn farthest_vertex(zones: &[RawZone]) -> String {
     let mut vertices = Vec::new();
     for zone in zones {
         for (polygon, rings) in zone.polygons.iter().enumerate() {
             for (hole, ring) in rings.iter().enumerate() {
-                // What was drawn round counts once, and its vertices are not those of the file.
+                // A circle or corridor counts once, because its vertices are not those of the file.
                 let count = if ring.numbers.is_some() { 1 } else { usize::MAX };
                 let numbered = ring.positions.iter().zip(1..).take(count);
                 vertices.extend(numbered.map(|(position, number)| (position, (zone, polygon, hole, ring, number))));
@@ -326,7 +327,7 @@ fn farthest_vertex(zones: &[RawZone]) -> String {
     }
 }
 
-/// What lies farthest from where most are: likely that whose digits were mistyped.
+/// The item that is farthest from the median position: probably one with mistyped digits.
 fn farthest<'a, T>(all: &'a [(&Position, T)]) -> Option<&'a T> {
     let median = |degrees: fn(&Position) -> f64| {
         let mut sorted: Vec<_> = all.iter().map(|(position, _)| degrees(position)).collect();
@@ -343,14 +344,14 @@ fn farthest<'a, T>(all: &'a [(&Position, T)]) -> Option<&'a T> {
         let north = position.latitude.as_deg() - middle_north;
         east * east + north * north
     };
-    // The first of several.
+    // The first one, if several are equally far.
     let reversed = all.iter().rev();
     reversed
         .max_by(|a, b| squared(a.0).total_cmp(&squared(b.0)))
         .map(|(_, which)| which)
 }
 
-/// A fault with its feature, where it does not name it itself.
+/// Adds the feature to a fault that does not name it.
 fn within(feature: &str, fault: FenceError) -> FenceError {
     if !matches!(fault, FenceError::TooManyVertices { .. }) {
         return fault;
@@ -361,7 +362,7 @@ fn within(feature: &str, fault: FenceError) -> FenceError {
     }
 }
 
-/// Longitude and latitude as a position; `order` is how the file has them.
+/// Makes a position from longitude and latitude; `order` is their order in the file.
 fn position(
     raw: &[f64],
     index: usize,

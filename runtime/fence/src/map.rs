@@ -1,8 +1,8 @@
-//! The judgement: what a fence is made of, and the one index of all its zones.
+//! The data of a fence, the one index of all its zones, and the judgement of a question.
 //!
-//! The index has two levels, both parry's `Bvh`: over the polygons of all zones, keep-in and keep-out alike, and in each
-//! polygon over its edges. A search goes from the one into the other with what it has found so far, so that it looks at no
-//! edge that is farther away than what is already known to matter.
+//! The index has two levels, both parry's `Bvh`: one over the polygons of all zones, keep-in and keep-out, and in each
+//! polygon one over its edges. A search passes what it has found so far from the first level to the second, so it looks
+//! at no edge that is too far away to matter.
 
 use std::sync::Arc;
 
@@ -17,18 +17,19 @@ use crate::question::{EDGE_THICKNESS_M, Question};
 use crate::verdict::{Breach, Cause, Clearance, EdgeId, EdgeInfo, Rule};
 use crate::zone::{Kind, Zone};
 
-/// What a fence is made of; breaches keep it, so that their text can be made when it is wanted.
+/// The data of a fence. Breaches keep it, so that their text can be made when it is needed.
 pub(crate) struct Map {
     pub(crate) frame: LocalFrame,
     pub(crate) zones: Vec<Zone>,
-    /// All polygons: zone, and polygon of the zone.
+    /// All polygons: the zone, and the polygon of the zone.
     parts: Vec<(u32, u32)>,
-    /// Over the bounding boxes of `parts`, each grown by the zone's margin.
+    /// The tree over the bounding boxes of `parts`, each grown by the zone's margin.
     tree: Bvh,
 }
 
-/// Beyond margin and radius no farther than this is looked for what is nearest, metres: whether a sweep holds needs nothing
-/// of it, and far from a long coast, where much of it is about as near, the search for the nearest edge is what takes long.
+/// How far beyond margin and radius the nearest edge is searched for, metres. Whether a sweep keeps the fence does not
+/// depend on more, and far from a long coast, much of which is at about the same distance, the search for the nearest
+/// edge takes long.
 pub(crate) const CLEARANCE_MAX_M: f64 = 1000.0;
 
 /// A fault that was found, before it becomes a [`Breach`].
@@ -78,7 +79,7 @@ impl Map {
         }
     }
 
-    /// The zone and the polygon of a leaf, and the identifier of one of its edges.
+    /// The zone and the polygon of a leaf, and a function that makes the identifier of one of its edges.
     fn part(&self, leaf: u32) -> (&Zone, &Polygon, impl Fn(u32) -> EdgeId + use<>) {
         let (zone, polygon) = self.parts[leaf as usize];
         let edge = move |edge| EdgeId { zone, polygon, edge };
@@ -86,12 +87,13 @@ impl Map {
         (zone, &zone.polygons[polygon as usize], edge)
     }
 
-    /// A shape that no edge comes near to is on one side of it, all of it: one point of the shape tells which.
+    /// Judges a shape. If no edge of a polygon is near the shape, the whole shape is on one side of the polygon, and
+    /// one point of the shape shows on which.
     pub(crate) fn judge<P: Probe>(self: &Arc<Self>, probe: &P, question: Question) -> Result<Clearance, Breach> {
         let Some(inside) = self.roomiest_keep_in(probe, question) else {
             return Err(self.outside(probe, question));
         };
-        // Equal room on both sides is told of the keep-in zone.
+        // If keep-in and keep-out zones leave equal room, the clearance names the keep-in zone.
         match self.nearest_keep_out(probe, question, inside.metres) {
             None => Ok(inside),
             Some((_, clearance)) if clearance.metres >= 0.0 => Ok(clearance),
@@ -99,10 +101,10 @@ impl Map {
         }
     }
 
-    /// Of the keep-in polygons that hold the sweep the one that leaves the most room.
+    /// Of the keep-in polygons that contain the sweep, the one that leaves the most room.
     fn roomiest_keep_in<P: Probe>(&self, probe: &P, question: Question) -> Option<Clearance> {
         let (min, max) = probe.bounds();
-        // What leaves the bounding box leaves the polygon.
+        // A shape that leaves the bounding box leaves the polygon.
         let around = |node: &BvhNode| min.cmpge(node.mins()).all() && max.cmple(node.maxs()).all();
         let mut roomiest: Option<Clearance> = None;
         for leaf in self.tree.leaves(around) {
@@ -117,7 +119,7 @@ impl Map {
                 metres: nearest.map_or(CLEARANCE_MAX_M, |(_, contact)| contact.distance_m() - reach_m),
                 edge: nearest.map(|(edge, _)| edge_id(edge)),
             };
-            // Of two alike the first of the file.
+            // Of two equal ones, the first in the file.
             let first = |known: Clearance| (known.metres, found.edge) < (found.metres, known.edge);
             if found.metres >= 0.0 && roomiest.is_none_or(first) {
                 roomiest = Some(found);
@@ -126,11 +128,11 @@ impl Map {
         roomiest
     }
 
-    /// The keep-out zone that leaves the least room, where that is less than `below_m`; negative where it is breached.
+    /// The keep-out zone that leaves the least room, if that is less than `below_m`; negative if the zone is breached.
     fn nearest_keep_out<P: Probe>(&self, probe: &P, question: Question, below_m: f64) -> Option<(u32, Clearance)> {
         let least_m = |node: &BvhNode, _| {
             let d2 = probe.box_d2(node.mins(), node.maxs(), f64::INFINITY);
-            // Within its box a shape may be far inside of a polygon.
+            // Within its box, a shape may be far inside a polygon.
             if d2 > 0.0 {
                 d2.sqrt() - question.radius_m
             } else {
@@ -145,7 +147,7 @@ impl Map {
             let reach_m = question.reach_m(zone);
             let inside = polygon.contains(probe.witness());
             let (edge, metres) = if inside {
-                // A distance that is no number never passes.
+                // A distance of NaN never passes.
                 let nearest = polygon.nearest(probe, f64::INFINITY);
                 nearest.map_or((0, f64::MIN), |(edge, contact)| (edge, -contact.distance_m() - reach_m))
             } else {
@@ -160,7 +162,7 @@ impl Map {
         self.tree.find_best(below_m, least_m, room)
     }
 
-    /// Of the keep-in zones that do not hold the one that comes nearest to it.
+    /// The breach of the keep-in zone that comes nearest to containing the sweep.
     #[cold]
     fn outside<P: Probe>(self: &Arc<Self>, probe: &P, question: Question) -> Breach {
         let (mut least, mut closed): (Option<Fault>, Option<Fault>) = (None, None);
@@ -196,7 +198,7 @@ impl Map {
         }
         match least {
             Some(fault) => self.breach(fault),
-            // A fence without keep-in zones is refused at load; it has none that allows surfacing.
+            // A fence without keep-in zones is refused when it is read, so this one has none that allows surfacing.
             None => Breach {
                 rule: Rule::Surfacing,
                 metres: f64::INFINITY,
@@ -208,7 +210,7 @@ impl Map {
         }
     }
 
-    /// How far the sweep is on the wrong side of one polygon's edge; metres may be zero or less where it is not.
+    /// How far the sweep is on the wrong side of one polygon's edge, metres; zero or less if it is not.
     #[cold]
     fn fault<P: Probe>(&self, probe: &P, question: Question, leaf: u32) -> Fault {
         let (zone, polygon, edge_id) = self.part(leaf);

@@ -1,4 +1,4 @@
-//! Rings of the file made into polygons of the plane, or refused.
+//! Makes polygons of the plane from the rings of the file, or refuses them.
 
 use backseat_units::{EastNorth, LocalFrame, Position};
 use geo::coordinate_position::{CoordPos, coord_pos_relative_to_ring};
@@ -12,25 +12,25 @@ use crate::load::VERTICES_MAX;
 use crate::polygon::{GoodRing, Polygon, bounds};
 use crate::question::EDGE_THICKNESS_M;
 
-/// Sharper corners are refused, radians: a ring that runs back on itself, by mistake or but for the rounding of its
-/// coordinates.
+/// Sharper corners are refused, radians. In them a ring runs back on itself, by mistake or except for the rounding of
+/// its coordinates.
 const SHARPEST_RAD: f64 = 1e-4;
 
-/// How far a straight piece of the plane may be from the straight line in longitude and latitude, metres.
+/// How far a straight piece in the plane may be from the straight line in longitude and latitude, metres.
 const SAGITTA_M: f64 = 0.01;
 
-/// A ring of positions, closed.
+/// A closed ring of positions.
 pub(crate) struct RawRing {
-    /// As they stand in the file, or as they were made of what stands there.
+    /// The positions as they are in the file, or as they were made from it.
     pub(crate) positions: Vec<Position>,
-    /// For each edge the number that it has in the file; where absent, edges count from 1.
+    /// For each edge, its number in the file; if absent, edges count from 1.
     pub(crate) numbers: Option<Vec<u32>>,
 }
 
 /// The outer ring, then the holes.
 pub(crate) type RawPolygon = Vec<RawRing>;
 
-/// Makes polygons, and keeps account of all of them.
+/// Makes polygons, and keeps count of their vertices and the box around them.
 pub(crate) struct Outliner<'a> {
     frame: &'a LocalFrame,
     vertices: usize,
@@ -38,7 +38,7 @@ pub(crate) struct Outliner<'a> {
     max: Vector,
 }
 
-/// Names a ring of the polygon at hand: 0 is the outer one.
+/// Names a ring of the current polygon: 0 is the outer one.
 type Placer<'a> = &'a dyn Fn(usize) -> Place;
 
 impl<'a> Outliner<'a> {
@@ -56,7 +56,7 @@ impl<'a> Outliner<'a> {
         (self.max - self.min).max_element()
     }
 
-    /// A polygon in which a margin leaves something.
+    /// Makes a polygon, which must be wide enough for the margin.
     pub(crate) fn polygon(
         &mut self,
         raw: &RawPolygon,
@@ -118,7 +118,7 @@ impl<'a> Outliner<'a> {
         Ok(ring)
     }
 
-    /// The ring on the plane: long edges divided, repeated vertices left out.
+    /// Projects a ring onto the plane, divides its long edges, and leaves out repeated vertices.
     fn project(&mut self, raw: &RawRing) -> Result<GoodRing, FenceError> {
         let mut ring = GoodRing {
             vertices: vec![self.frame.to_local(raw.positions[0])],
@@ -145,7 +145,7 @@ impl<'a> Outliner<'a> {
                 }
             }
         }
-        // The last vertex is the first one again: its own repetitions before the end go.
+        // The last vertex is the first one again. Repetitions of it before the end are removed.
         let first = ring.vertices[0];
         while ring.vertices.len() > 1 && ring.vertices[ring.vertices.len() - 1].distance_m(first) <= EDGE_THICKNESS_M {
             ring.vertices.pop();
@@ -184,7 +184,7 @@ impl<'a> Outliner<'a> {
         };
         let (latitude, longitude) = self.degrees(at);
         let ((ring, edge), (other, other_edge)) = (polygon.locate(first), polygon.locate(second));
-        // A ring that was turned round meets its later edge first.
+        // In a ring that was reversed, the edge with the higher number comes first.
         let swap = ring == other && edge > other_edge;
         let (edge, other_edge) = if swap { (other_edge, edge) } else { (edge, other_edge) };
         let other = if ring == other {
@@ -209,7 +209,7 @@ impl<'a> Outliner<'a> {
 }
 
 impl Polygon {
-    /// Two edges that cross or come within an edge's thickness of each other without sharing a vertex, and where.
+    /// Two edges that cross, or come within an edge's thickness of each other without sharing a vertex, and the place.
     pub(crate) fn crossing(&self) -> Option<(u32, u32, Vector)> {
         for (first, last) in self.ring_edges() {
             for edge in first..=last {
@@ -228,7 +228,7 @@ impl Polygon {
     }
 }
 
-/// The vertices after the first of an edge that follows the straight line of longitude and latitude.
+/// The vertices, after the first, of an edge that follows the straight line of longitude and latitude.
 pub(crate) fn divided(
     frame: &LocalFrame,
     a: Position,
@@ -237,7 +237,7 @@ pub(crate) fn divided(
     let (from, to) = (frame.to_local(a), frame.to_local(b));
     let middle = frame.to_local(between(a, b, 0.5));
     let sagitta_m = middle.distance_m((from + to) * 0.5);
-    // A quarter of the sagitta remains of each half.
+    // Each half has a quarter of the sagitta.
     let pieces = (sagitta_m / SAGITTA_M).sqrt().ceil().max(1.0) as u32;
     (0..pieces).map(move |piece| {
         if piece + 1 == pieces {
@@ -273,7 +273,7 @@ fn on_one_line(vertices: &[EastNorth]) -> bool {
         .all(|vertex| line.perp_dot(vector(*vertex) - vector(first)).abs() <= EDGE_THICKNESS_M * length)
 }
 
-/// The area of a closed ring, positive where it runs counterclockwise.
+/// The area of a closed ring, positive if it runs counterclockwise.
 fn signed_area_m2(vertices: &[EastNorth]) -> f64 {
     let first = vector(vertices[0]);
     vertices
@@ -283,7 +283,7 @@ fn signed_area_m2(vertices: &[EastNorth]) -> f64 {
         / 2.0
 }
 
-/// Holes that are outside of the outer ring or inside another hole. No two rings touch, so one vertex decides.
+/// Refuses holes that are outside the outer ring or inside another hole. No two rings touch, so one vertex decides.
 fn refuse_stray_holes(polygon: &Polygon, place: Placer<'_>) -> Result<(), FenceError> {
     let rings: Vec<_> = polygon.rings().map(|ring| (line(ring), bounds(ring))).collect();
     let encloses = |ring: &LineString, vertex: Coord| coord_pos_relative_to_ring(vertex, ring) == CoordPos::Inside;
@@ -305,7 +305,7 @@ fn refuse_stray_holes(polygon: &Polygon, place: Placer<'_>) -> Result<(), FenceE
     Ok(())
 }
 
-/// A polygon as geo has it.
+/// A polygon in geo's type.
 pub(crate) fn geometry(polygon: &Polygon) -> geo::Polygon {
     let mut rings = polygon.rings().map(line);
     let outer = rings.next().unwrap_or_else(LineString::empty);
@@ -316,7 +316,8 @@ fn line(ring: &[EastNorth]) -> LineString {
     ring.iter().map(|point| (point.east_m, point.north_m)).collect()
 }
 
-/// No direction has less width, and [`width_bound_m`] is no less: a shape's area is at most its width times its length.
+/// A lower bound of the width in every direction, and so of [`width_bound_m`]: a shape's area is at most its width
+/// times its length.
 fn least_width_m(polygon: &Polygon) -> f64 {
     area_m2(polygon) / (polygon.max - polygon.min).length()
 }
@@ -325,13 +326,14 @@ fn area_m2(polygon: &Polygon) -> f64 {
     polygon.rings().map(signed_area_m2).sum()
 }
 
-/// An upper bound of the diameter of the widest circle inside: the least width in some directions, and the circle of
-/// the same area. Cheap rather than exact: it finds the margin that was typed in the wrong unit.
+/// An upper bound of the diameter of the widest circle inside: the smaller of the least width in some directions and
+/// the diameter of the circle with the same area. It is cheap rather than exact: it finds a margin that was typed in
+/// the wrong unit.
 fn width_bound_m(polygon: &Polygon) -> f64 {
     let round_m = 2.0 * (area_m2(polygon).max(0.0) / core::f64::consts::PI).sqrt();
     let outer = polygon.rings().next().unwrap_or_default();
     let mut narrowest = (f64::INFINITY, 90.0);
-    // All directions in steps of 10 degrees, then finer and finer about the best one: a long strip is wide already a
+    // All directions in steps of 10 degrees, then finer and finer steps about the best one: a long strip is wide even a
     // little off its own direction.
     for step_deg in [10.0, 2.0, 0.4, 0.08, 0.016] {
         let middle_deg = narrowest.1;
@@ -346,7 +348,7 @@ fn width_bound_m(polygon: &Polygon) -> f64 {
     round_m.min(narrowest.0)
 }
 
-/// How wide a ring is in a direction.
+/// The width of a ring in a direction.
 fn width_m(ring: &[EastNorth], direction_deg: f64) -> f64 {
     let (sin, cos) = backseat_units::math::sin_cos(direction_deg.to_radians());
     let (min, max) = ring

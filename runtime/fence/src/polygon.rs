@@ -1,4 +1,4 @@
-//! One polygon with its holes, indexed: the nearest edge, and whether a point is inside.
+//! One polygon with its holes and an index of its edges, which finds the nearest edge and whether a point is inside.
 
 use core::fmt;
 
@@ -10,25 +10,25 @@ use parry2d_f64::shape::Segment;
 
 use crate::distance::{Contact, ConvexProbe, Probe, vector};
 
-/// A ring that has been found good.
+/// A ring that has been checked.
 #[derive(Clone, Debug)]
 pub(crate) struct GoodRing {
-    /// Counterclockwise for an outer ring, clockwise for a hole; the first vertex again as the last.
+    /// Counterclockwise for an outer ring, clockwise for a hole; the first vertex is repeated as the last.
     pub(crate) vertices: Vec<EastNorth>,
-    /// For each edge the number that it has in the file.
+    /// For each edge, its number in the file.
     pub(crate) numbers: Vec<u32>,
 }
 
-/// A polygon with its holes. Its inside is left of every edge.
+/// A polygon with its holes. Its inside is on the left of every edge.
 #[derive(Clone)]
 pub(crate) struct Polygon {
-    /// All rings, closed, one after the other. Edge `i` runs from vertex `i` to `i + 1`.
+    /// All closed rings, one after the other. Edge `i` runs from vertex `i` to `i + 1`.
     vertices: Vec<EastNorth>,
-    /// Of the edge that begins at the vertex.
+    /// For each vertex, the number of the edge that begins there.
     numbers: Vec<u32>,
     /// Where each ring begins, and where the last one ends.
     starts: Vec<u32>,
-    /// Over the edges' bounding boxes.
+    /// The tree over the edges' bounding boxes.
     tree: Bvh,
     pub(crate) min: Vector,
     pub(crate) max: Vector,
@@ -69,7 +69,7 @@ impl Polygon {
         polygon
     }
 
-    /// The rings, closed, the outer one first.
+    /// The closed rings, the outer one first.
     pub(crate) fn rings(&self) -> impl Iterator<Item = &[EastNorth]> {
         self.starts
             .windows(2)
@@ -81,10 +81,10 @@ impl Polygon {
         (self.ring_of(edge), self.numbers[edge as usize] as usize)
     }
 
-    /// The number in the file of a ring's vertex, which is counted along the ring as it is kept here.
+    /// The file's number for a ring's vertex. `vertex` is counted along the ring as it is stored here.
     pub(crate) fn vertex_number(&self, ring: usize, vertex: usize) -> usize {
-        // A ring begins with the file's first vertex either way round; at the others the numbers of the two edges that
-        // meet differ by one, and the higher is that of the vertex.
+        // A ring begins with the file's first vertex in both directions. At each other vertex, the numbers of the two
+        // edges that meet differ by one, and the higher is the vertex's number.
         let edge = self.ends_of(ring).0 + vertex as u32;
         if vertex == 0 {
             1
@@ -118,13 +118,13 @@ impl Polygon {
         [self.vertices[edge as usize], self.vertices[edge as usize + 1]]
     }
 
-    /// The same, for parry.
+    /// An edge as parry's segment.
     pub(crate) fn segment(&self, edge: u32) -> Segment {
         let [a, b] = self.ends(edge).map(vector);
         Segment::new(a, b)
     }
 
-    /// The edge nearest to a shape, where one is nearer than so much.
+    /// The nearest edge to a shape, if one is nearer than `below_m`.
     pub(crate) fn nearest<P: Probe>(&self, probe: &P, below_m: f64) -> Option<(u32, Contact)> {
         let nearest = self.tree.find_best(
             below_m * below_m,
@@ -137,7 +137,8 @@ impl Polygon {
         nearest.map(|(edge, (_, contact))| (self.first_at(edge, contact.at), contact))
     }
 
-    /// Of the edges that meet in a point of one of them the first, so that it is not the index that decides which is named.
+    /// The first of the edges that meet at a point of an edge, so that the order of the index does not decide which one
+    /// is named.
     fn first_at(&self, edge: u32, point: Vector) -> u32 {
         let (first, last) = self.ends_of(self.ring_of(edge));
         let [a, b] = self.ends(edge).map(vector);
@@ -148,8 +149,7 @@ impl Polygon {
         }
     }
 
-    /// Whether a point that is on no edge lies inside: a ray from it towards the east crosses the edges an odd number of
-    /// times.
+    /// Whether a point that is on no edge lies inside: a ray from it towards the east crosses an odd number of edges.
     pub(crate) fn contains(&self, point: Vector) -> bool {
         let on_ray = |node: &BvhNode| {
             let (min, max) = (node.mins(), node.maxs());
@@ -158,23 +158,24 @@ impl Polygon {
         let crossed = |edge: &u32| {
             let edge = self.segment(*edge);
             let upward = edge.b.y > point.y;
-            // An edge has its lower end and not its upper one, so that a ray through a vertex crosses one edge of two.
+            // An edge includes its lower end and not its upper one, so that a ray through a vertex crosses one of the
+            // two edges.
             let left = edge.scaled_direction().perp_dot(point - edge.a) > 0.0;
             (edge.a.y > point.y) != upward && left == upward
         };
         self.tree.leaves(on_ray).filter(crossed).count() % 2 == 1
     }
 
-    /// The nearest edge to a point, where on it, and the distance: positive outside, negative inside.
+    /// The nearest edge to a point, the place on it, and the distance: positive outside, negative inside.
     pub(crate) fn outside_m(&self, point: Vector) -> (u32, Vector, f64) {
         self.beside_m(&ConvexProbe::point(point))
     }
 
-    /// The nearest edge to a shape, where on it, and the distance: positive where the shape is outside, negative where it is
-    /// inside, zero where they touch.
+    /// The nearest edge to a shape, the place on it, and the distance: positive if the shape is outside, negative if it
+    /// is inside, zero if they touch.
     pub(crate) fn beside_m<P: Probe>(&self, probe: &P) -> (u32, Vector, f64) {
         let Some((edge, contact)) = self.nearest(probe, f64::INFINITY) else {
-            // Only a distance that is no number finds no edge, and what cannot be measured is far outside.
+            // Only a distance of NaN finds no edge. A shape that cannot be measured counts as far outside.
             return (0, vector(self.vertices[0]), f64::INFINITY);
         };
         let distance_m = contact.distance_m();

@@ -1,4 +1,4 @@
-//! What is asked of a fence beside the shape, and whether it can be asked.
+//! The part of a question that is not the shape, and whether its numbers are usable.
 
 use backseat_units::EastNorth;
 
@@ -7,28 +7,29 @@ use crate::verdict::Rule;
 use crate::window::Span;
 use crate::zone::{Band, Kind, Zone};
 
-/// The thickness of an edge, metres: what comes nearer touches it. Far above the rounding errors of the distances
-/// (1e-11 m at 50 km), far below what a vehicle knows of its position.
+/// The thickness of an edge, metres: a shape that comes nearer touches it. It is far above the rounding errors of the
+/// distances (1e-11 m at 50 km), and far below the accuracy with which a vehicle knows its position.
 pub(crate) const EDGE_THICKNESS_M: f64 = 1e-6;
 
-/// Greater lengths are no lengths of this earth, and their squares would cost the distances their precision.
+/// The greatest usable length, metres. Nothing on the earth is longer, and the squares of greater lengths would cost
+/// the distances their precision.
 pub(crate) const LIMIT_M: f64 = 1e9;
 
-/// What is asked beside the shape. Without a vertical extent margins do not count either.
+/// The part of a question that is not the shape. Without a vertical extent, margins do not count either.
 #[derive(Clone, Copy)]
 pub(crate) struct Question {
     pub(crate) radius_m: f64,
     pub(crate) vertical: Option<VerticalExtent>,
-    /// The depths that may be passed, from and to, metres: those at which keep-out zones count.
+    /// The depths that the vehicle may pass, from and to, metres: those at which keep-out zones count.
     pub(crate) passed_m: [f64; 2],
-    /// The vehicle surfaces: only zones that allow it count, and there the shallowest depth does not.
+    /// Whether the vehicle surfaces: then only zones that allow it count, and their shallowest depth does not.
     pub(crate) surfacing: bool,
-    /// When it happens; none where that is unknown.
+    /// When it happens; `None` if that is unknown.
     pub(crate) span: Option<Span>,
 }
 
 impl Question {
-    /// Whether a keep-in zone can hold this question at all.
+    /// Whether a keep-in zone can contain the sweep of this question at all.
     pub(crate) fn may_hold(&self, zone: &Zone) -> bool {
         match zone.kind {
             Kind::KeepIn { surfacing, .. } => surfacing || !self.surfacing,
@@ -87,7 +88,7 @@ impl Question {
 
 /// The first number of a sweep that cannot be used.
 pub(crate) fn unusable(sweep: &Sweep) -> Option<&'static str> {
-    // Written so that what is no number fails.
+    // NaN fails these comparisons.
     let length = |value: f64| (0.0..=LIMIT_M).contains(&value);
     let point = |point: &EastNorth| point.east_m.abs() <= LIMIT_M && point.north_m.abs() <= LIMIT_M;
     if !length(sweep.radius_m) {
@@ -115,12 +116,12 @@ pub(crate) fn unusable_vertical(vertical: &VerticalExtent) -> Option<&'static st
         () if !finite(depth_min_m) => Some("depth_min_m"),
         () if !finite(depth_max_m) => Some("depth_max_m"),
         () if !finite(altitude_min_m) => Some("altitude_min_m"),
-        () if depth_min_m > depth_max_m => Some("depth_max_m under depth_min_m"),
+        () if depth_min_m > depth_max_m => Some("depth_max_m less than depth_min_m"),
         () => None,
     }
 }
 
-/// A span whose ends are the wrong way round.
+/// The description of a span that ends before it begins.
 pub(crate) fn unusable_span(span: Option<Span>) -> Option<&'static str> {
     span.and_then(|span| (span.from > span.until).then_some("time that ends before it begins"))
 }

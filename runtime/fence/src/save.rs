@@ -1,4 +1,4 @@
-//! A fence as GeoJSON text, whatever it was read from.
+//! Writes a fence as GeoJSON text, whatever file it was read from.
 
 use serde_json::{Map, Value, json};
 
@@ -6,9 +6,10 @@ use crate::fence::Fence;
 use crate::zone::{Band, Kind, Ring, Zone};
 
 impl Fence {
-    /// The fence as a `FeatureCollection` of areas in the form that [`Fence::from_geojson`] reads: circles and corridors
-    /// as the polygons that they have become, long edges with the vertices that they were divided by. Read again it
-    /// judges as this one does, to the rounding of positions (a few nanometres).
+    /// The fence as a `FeatureCollection` of areas in the form that [`Fence::from_geojson`] reads. Circles and
+    /// corridors are written as the polygons that were made from them, and long edges with the vertices that divide
+    /// them. A fence that is read from this text judges like this one, except for the rounding of positions (a few
+    /// nanometres).
     #[must_use]
     pub fn to_geojson(&self) -> String {
         let features: Vec<Value> = self.zones().map(|zone| self.feature(zone)).collect();
@@ -59,7 +60,7 @@ fn properties(zone: &Zone) -> Map<String, Value> {
         }
         Kind::KeepOut { depth } => {
             add("kind", "keep-out".into());
-            // An end that is open is no number, and absent.
+            // An open end is infinite and is left out.
             if let Some(Band { min_m, max_m }) = depth {
                 for (key, value) in [("depth_min_m", min_m), ("depth_max_m", max_m)] {
                     if value.is_finite() {

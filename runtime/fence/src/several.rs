@@ -1,5 +1,5 @@
-//! Several shapes at once: what they all lie in first, then what each half of them lies in, and one by one only where
-//! that does not hold.
+//! Checks several shapes at once: first a shape that contains them all, then one for each half of them, and so on down
+//! to single shapes wherever such a check fails.
 
 use backseat_units::EastNorth;
 use parry2d_f64::shape::Segment;
@@ -11,14 +11,15 @@ use crate::sweep::{Shape, Sweep, VerticalExtent};
 use crate::verdict::{Breach, Clearance};
 
 impl Fence {
-    /// As [`Fence::check`] of each of some shapes with one radius. Where all of them, or half of them and so on, lie
-    /// well inside one question is enough; the clearance is then told of a shape around them, and theirs may be more.
+    /// As [`Fence::check_passing`] for each of several shapes with one radius. If all of them, or half of them and so
+    /// on, lie well inside, one question is enough. The clearance is then that of a shape around them, and theirs may
+    /// be greater.
     ///
     /// # Errors
-    /// The [`Breach`] of the first shape that does not hold.
+    /// The [`Breach`] of the first shape that breaches the fence.
     ///
     /// # Panics
-    /// Where there is no shape.
+    /// If there is no shape.
     pub fn check_all(
         &self,
         shapes: &[Shape],
@@ -34,10 +35,10 @@ impl FenceDuring<'_> {
     /// As [`Fence::check_all`], with the zones that are valid then.
     ///
     /// # Errors
-    /// The [`Breach`] of the first shape that does not hold.
+    /// The [`Breach`] of the first shape that breaches the fence.
     ///
     /// # Panics
-    /// Where there is no shape.
+    /// If there is no shape.
     pub fn check_all(
         &self,
         shapes: &[Shape],
@@ -67,9 +68,9 @@ fn each(
     Ok(if second.metres < first.metres { second } else { first })
 }
 
-/// The leg between two points that are about as far apart as any, with a radius within which all the others lie: a convex
-/// shape, so that it has the convex hulls of them in it too. None for a single leg or point, which it would not be
-/// cheaper than, and where a rim or what is no number is among them.
+/// A leg between two points that are about as far apart as any, with a radius within which all other points lie. It is
+/// convex, so it also contains their convex hulls. `None` for a single leg or point, because its own check costs no
+/// more, and if the shapes include a rim or a number that is not usable.
 fn around(shapes: &[Shape], radius_m: f64) -> Option<Sweep> {
     let points = || {
         shapes.iter().flat_map(|shape| match shape {
@@ -85,8 +86,8 @@ fn around(shapes: &[Shape], radius_m: f64) -> Option<Sweep> {
     if !convex || points().count() < 3 || !points().all(usable) {
         return None;
     }
-    // The farthest from any point, and the farthest from that: seldom much nearer to each other than the two that are
-    // farthest apart, and found in one pass each.
+    // The farthest point from any point, and the farthest from that one. They are seldom much nearer to each other than
+    // the two that are farthest apart, and each is found in one pass.
     let farthest = |from: EastNorth| {
         let squared_m2 = |point: &EastNorth| (vector(*point) - vector(from)).length_squared();
         points().max_by(|a, b| squared_m2(a).total_cmp(&squared_m2(b)))
@@ -96,7 +97,7 @@ fn around(shapes: &[Shape], radius_m: f64) -> Option<Sweep> {
     let (from, to) = (*from, *to);
     let leg = Segment::new(vector(from), vector(to));
     let off_m2 = points().map(|point| point_d2(vector(*point), &leg));
-    // The roots' rounding is far below a micrometre.
+    // The rounding of the square roots is far below a micrometre.
     let off_m = off_m2.fold(0.0, f64::max).sqrt() + 1e-6;
     Some(Sweep::new(Shape::leg(from, to), radius_m + off_m))
 }

@@ -2,10 +2,10 @@ use backseat_units::EastNorth;
 
 use crate::distance::{chain_of, east_north, vector};
 
-/// Everything within `radius_m` of a shape: where the vehicle may come while it does what was asked.
+/// Everything within `radius_m` of a shape: all places to which a request may bring the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
-    /// What is swept.
+    /// The shape.
     pub shape: Shape,
     /// How far from the shape the vehicle may be, metres, 0 or more.
     pub radius_m: f64,
@@ -22,9 +22,9 @@ impl Sweep {
 /// A shape on the plane of the fence's [`LocalFrame`](backseat_units::LocalFrame).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// The convex hull of one to four points, solid: a fence edge wholly inside it is touched.
+    /// The solid convex hull of one to four points: it touches a fence edge that is wholly inside it.
     Convex(ConvexHull),
-    /// A circle's line, not its disc: a fence edge wholly inside the circle is not touched.
+    /// A circle's line, not its disc: it does not touch a fence edge that is wholly inside the circle.
     Rim {
         /// The circle's centre.
         centre: EastNorth,
@@ -33,7 +33,8 @@ pub enum Shape {
     },
 }
 
-/// One to four points that stand for their convex hull. In any order; points may repeat or lie on one line.
+/// One to four points that stand for their convex hull. Their order does not matter, and points may repeat or lie on
+/// one line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConvexHull {
     points: [EastNorth; 4],
@@ -58,7 +59,7 @@ impl Shape {
         })
     }
 
-    /// The straight way from one point to another, which may be the same.
+    /// The straight line from one point to another, which may be the same.
     #[must_use]
     pub const fn leg(a: EastNorth, b: EastNorth) -> Self {
         Self::Convex(ConvexHull {
@@ -82,11 +83,11 @@ impl Shape {
         Self::Convex(ConvexHull { points, len: 4 })
     }
 
-    /// Solids that together are the convex hull of any number of points, and nothing else.
+    /// Solids that together are exactly the convex hull of any number of points.
     #[must_use]
     pub fn convex_hulls(points: &[EastNorth]) -> Vec<Self> {
         let mut given: Vec<_> = points.iter().map(|point| vector(*point)).collect();
-        // What is no number turns no way, and then nothing is left out.
+        // Points that are NaN turn in no direction, so then the chain leaves out no point.
         let mut chain = vec![vector(EastNorth::default()); 2 * points.len() + 2];
         let len = chain_of(&mut given, &mut chain);
         let corners: Vec<EastNorth> = chain[..len].iter().map(|corner| east_north(*corner)).collect();
@@ -95,7 +96,7 @@ impl Shape {
             [a] => vec![Self::point(a)],
             [a, b] => vec![Self::leg(a, b)],
             [a, ref rest @ ..] => {
-                // A fan from one corner, two triangles at a time.
+                // A fan of triangles from one corner, two at a time.
                 let quarters = (0..rest.len() - 1).step_by(2);
                 let third = |index: usize| rest.get(index + 2).copied().unwrap_or(rest[index + 1]);
                 quarters
@@ -112,14 +113,14 @@ impl Shape {
     }
 }
 
-/// What the vehicle may do vertically along a sweep.
+/// The depths and altitudes at which the vehicle may be along a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VerticalExtent {
-    /// The shallowest that it may be, metres below the surface.
+    /// The shallowest depth, metres below the surface.
     pub depth_min_m: f64,
-    /// The deepest that it may be, metres below the surface; not less than `depth_min_m`.
+    /// The deepest depth, metres below the surface; not less than `depth_min_m`.
     pub depth_max_m: f64,
-    /// The lowest height above the bottom that it may have, metres. Finite: where the bottom is unknown, the caller
-    /// says what it is known to be at least.
+    /// The lowest altitude above the bottom, metres. It must be finite: if the bottom is unknown, the caller gives the
+    /// altitude that the vehicle is known to have at least.
     pub altitude_min_m: f64,
 }

@@ -1,23 +1,23 @@
 use serde_json::{Map, Value};
 
-/// What zones get whose file cannot say it: plans of QGroundControl, and placemarks of KML without such data. Ranges
-/// are those of the GeoJSON form.
+/// Values for zones whose file cannot give them: plans of QGroundControl, and placemarks of KML without such data. The
+/// ranges are those of the GeoJSON form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Terms {
-    /// Kept from the edges of all zones, metres.
+    /// The margin of all zones, metres.
     pub margin_m: f64,
-    /// Shallowest depth of keep-in zones, metres.
+    /// The shallowest depth of keep-in zones, metres.
     pub depth_min_m: f64,
-    /// Deepest depth of keep-in zones, metres.
+    /// The deepest depth of keep-in zones, metres.
     pub depth_max_m: f64,
-    /// Least height above the bottom of keep-in zones, metres.
+    /// The least altitude above the bottom in keep-in zones, metres.
     pub altitude_min_m: f64,
     /// Whether the vehicle may surface in keep-in zones.
     pub surfacing: bool,
 }
 
 impl Terms {
-    /// As the properties of a zone: a keep-out zone takes the margin only, and forbids all depths.
+    /// Adds the values to a zone's properties. A keep-out zone takes only the margin, and forbids all depths.
     pub(crate) fn complete(&self, properties: &mut Map<String, Value>) {
         let keep_in = properties.get("kind").and_then(Value::as_str) == Some("keep-in");
         let mut add = |key: &str, value: Value| {

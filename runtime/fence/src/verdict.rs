@@ -9,10 +9,10 @@ use crate::map::Map;
 use crate::window::Span;
 use crate::zone::Kind;
 
-/// An edge of a fence. [`Fence::describe_edge`](crate::Fence::describe_edge) tells what it is.
+/// An edge of a fence, which [`Fence::describe_edge`](crate::Fence::describe_edge) describes.
 ///
-/// Edges that were divided at load, to follow the straight line of longitude and latitude, have several identifiers
-/// and one number.
+/// An edge that was divided when the fence was read, to follow the straight line of longitude and latitude, has several
+/// identifiers and one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct EdgeId {
     pub(crate) zone: u32,
@@ -20,14 +20,14 @@ pub struct EdgeId {
     pub(crate) edge: u32,
 }
 
-/// What an [`EdgeId`] stands for, in the terms of the fence's file. Everything counts from 1, as the errors do.
+/// An edge in the terms of the fence's file. Everything counts from 1, as in the errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeInfo<'a> {
     /// The name of the zone.
     pub zone: &'a str,
     /// Which polygon of the zone: 1, or more for a `MultiPolygon`.
     pub polygon: usize,
-    /// Which hole of the polygon; none for the outer ring.
+    /// Which hole of the polygon; `None` for the outer ring.
     pub hole: Option<usize>,
     /// The edge from the ring's vertex of this number to the next one.
     pub number: usize,
@@ -47,24 +47,24 @@ impl fmt::Display for EdgeInfo<'_> {
     }
 }
 
-/// The fence holds, with this to spare.
+/// A sweep that keeps the fence, and the room that it leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use]
 pub struct Clearance {
-    /// How many metres the sweep keeps beyond its own radius and the zone's margin, 0 to 1000: 1000 where it is more.
-    /// Horizontal; depth and altitude bands hold, by how much is not told.
+    /// How many metres the sweep keeps beyond its own radius and the zone's margin, 0 to 1000; 1000 also stands for
+    /// more. This is horizontal. Depth and altitude bands are kept too, but by how much is not reported.
     pub metres: f64,
-    /// The edge that is nearest in this sense; none where that is more than 1000 m.
+    /// The edge that is nearest in this sense; `None` if that is more than 1000 m away.
     pub edge: Option<EdgeId>,
 }
 
-/// What a request offends against.
+/// The rule that a request breaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
-    /// The sweep lies wholly inside no keep-in zone and its margin.
+    /// No keep-in zone contains the whole sweep with the zone's margin.
     KeepIn,
-    /// The sweep comes into a keep-out zone or its margin.
+    /// The sweep enters a keep-out zone or its margin.
     KeepOut,
     /// The sweep may come shallower than the keep-in zone allows.
     DepthMin,
@@ -72,33 +72,33 @@ pub enum Rule {
     DepthMax,
     /// The sweep may come nearer to the bottom than the keep-in zone allows.
     AltitudeMin,
-    /// The vehicle would surface where no keep-in zone that allows it holds the sweep.
+    /// The vehicle would surface where no keep-in zone that allows it contains the sweep.
     Surfacing,
-    /// The only keep-in zones that could hold the sweep are not valid for the whole time of the question.
+    /// The only keep-in zones that could contain the sweep are not valid for the whole time of the question.
     Closed,
-    /// A number of the request is unusable: not finite, beyond ±1e9, a negative radius, or a depth range or
-    /// a time that is the wrong way round.
+    /// A number of the request is unusable: not finite, beyond ±1e9, a negative radius, or a range of depths or times
+    /// whose ends are the wrong way round.
     NotFinite,
 }
 
-/// The fence does not hold. Cheap to make; its text is made when it is printed, from the fence that it keeps alive.
+/// A breach of the fence. Cheap to make: its text is made when it is printed, from the fence, which it keeps alive.
 #[derive(Clone)]
 #[must_use]
 pub struct Breach {
-    /// What is offended against.
+    /// The rule that is breached.
     pub rule: Rule,
-    /// How many metres are missing, over 0; infinite for [`Rule::NotFinite`] and [`Rule::Closed`], and for [`Rule::Surfacing`] where no zone of
-    /// the fence allows it.
+    /// How many metres are missing, over 0; infinite for [`Rule::NotFinite`] and [`Rule::Closed`], and for
+    /// [`Rule::Surfacing`] if no zone of the fence allows it.
     ///
-    /// For [`Rule::KeepIn`] and [`Rule::Surfacing`]: how far the worst point would have to come in, margin and radius
-    /// included. Exact for a point, for a sweep that lies inside and only too near, and for a convex hull in a convex
-    /// zone without holes; else a lower bound, taken from the convex hull's corners, or from eight points of a rim, and
-    /// where the sweep is nearest.
+    /// For [`Rule::KeepIn`] and [`Rule::Surfacing`]: how far the worst point would have to move inwards, including
+    /// margin and radius. Exact for a point, for a sweep that lies inside and is only too near, and for a convex hull
+    /// in a convex zone without holes. Otherwise it is a lower bound, taken from the corners of the convex hull, or
+    /// from eight points of a rim, and from where the sweep is nearest.
     ///
-    /// For [`Rule::KeepOut`]: margin and radius less the distance, or, where the sweep touches the zone, margin and
-    /// radius plus the depth of its deepest corner inside: a lower bound of what it would have to move.
+    /// For [`Rule::KeepOut`]: margin and radius less the distance; or, if the sweep touches the zone, margin and radius
+    /// plus the depth of its deepest corner inside, which is a lower bound of how far it would have to move.
     pub metres: f64,
-    /// The nearest edge of the zone; none where no zone is named.
+    /// The nearest edge of the zone; `None` if no zone is named.
     pub edge: Option<EdgeId>,
     /// The place on that edge.
     pub at: Option<EastNorth>,
@@ -106,11 +106,11 @@ pub struct Breach {
     pub(crate) map: Arc<Map>,
 }
 
-/// What the text needs beside the edge.
+/// What the text needs besides the edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Cause {
     Zone(u32),
-    /// The zone, and the time that was asked for.
+    /// The zone, and the time of the question.
     Closed(u32, Option<Span>),
     Number(&'static str),
     /// No zone allows surfacing.
@@ -118,8 +118,8 @@ pub(crate) enum Cause {
 }
 
 impl Breach {
-    /// The zone that is breached, or that came nearest to holding; none for [`Rule::NotFinite`], and where the vehicle would
-    /// surface and no zone allows it.
+    /// The zone that is breached, or the keep-in zone whose fault is the smallest; `None` for [`Rule::NotFinite`], and
+    /// if the vehicle would surface and no zone allows it.
     #[must_use]
     pub fn zone(&self) -> Option<&str> {
         match self.cause {
@@ -130,7 +130,7 @@ impl Breach {
 }
 
 impl Breach {
-    /// What is breached, told in the terms of the fence's file and free of the fence.
+    /// The breach in the terms of the fence's file, as data that does not need the fence.
     #[must_use]
     pub fn report(&self) -> ZoneBreach {
         let mut report = ZoneBreach {
@@ -202,7 +202,7 @@ impl fmt::Debug for Breach {
 }
 
 impl PartialEq for Breach {
-    /// Same rule, metres and place; the fences are taken to be the same.
+    /// Compares rule, metres and place, and assumes that the fences are the same.
     fn eq(&self, other: &Self) -> bool {
         (self.rule, self.metres, self.edge, self.at, self.cause)
             == (other.rule, other.metres, other.edge, other.at, other.cause)

@@ -8,26 +8,26 @@ use serde::{Deserialize, Serialize};
 const NANOS_PER_SECOND: u64 = 1_000_000_000;
 const SECONDS_PER_DAY: u64 = 86_400;
 
-/// The times at which a zone is valid, both ends included; open on the side of an absent one.
+/// The times at which a zone is valid, both ends included. Without `from` or `until` it is unlimited on that side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Window {
-    /// From then on; from always where absent.
+    /// The first time; `None` if there is no first.
     pub from: Option<Utc>,
-    /// Until then; for ever where absent.
+    /// The last time; `None` if there is no last.
     pub until: Option<Utc>,
 }
 
-/// A stretch of time, both ends included.
+/// A span of time, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Span {
-    /// The earliest.
+    /// The earliest time.
     pub from: Utc,
-    /// The latest, not before `from`.
+    /// The latest time, not before `from`.
     pub until: Utc,
 }
 
 impl Window {
-    /// Whether the zone is valid for the whole of a span. Where the time is unknown only a zone that always is.
+    /// Whether the zone is valid for the whole of a span. If the time is unknown, only a zone that is always valid is.
     #[must_use]
     pub fn covers(&self, span: Option<Span>) -> bool {
         match span {
@@ -38,7 +38,7 @@ impl Window {
         }
     }
 
-    /// Whether the zone is valid at any instant of a span. Where the time is unknown it may always be.
+    /// Whether the zone is valid at any instant of a span. If the time is unknown, every zone may be.
     #[must_use]
     pub fn meets(&self, span: Option<Span>) -> bool {
         span.is_none_or(|span| {
@@ -64,7 +64,7 @@ impl fmt::Display for Span {
     }
 }
 
-/// A time as a text of RFC 3339, with decimals of a second where it has them.
+/// A time as RFC 3339 text, with decimals of a second if it has any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rfc3339(pub Utc);
 
@@ -88,7 +88,7 @@ impl fmt::Display for Rfc3339 {
 }
 
 /// Reads `2026-05-01T08:00:00Z`, with or without decimals of a second and with `Z` or a numeric offset (RFC 3339,
-/// section 5.6); none for what is no such time, a leap second, or a time before 1970 or after 2500.
+/// section 5.6). `None` for a text that is not such a time, a leap second, or a time before 1970 or after 2500.
 #[must_use]
 pub fn utc(text: &str) -> Option<Utc> {
     let bytes = text.as_bytes();
@@ -154,9 +154,9 @@ fn days_before(year: u64, month: u64, day: u64) -> u64 {
     years + (1..month).map(|month| days_in(year, month)).sum::<u64>() + day - 1
 }
 
-/// The year, month and day so many days after 1970-01-01.
+/// The year, month and day this many days after 1970-01-01.
 fn date_of(days: u64) -> (u64, u64, u64) {
-    // Never too late a year, and at most one too early.
+    // This year is never too late, and at most one too early.
     let mut year = 1970 + days / 366;
     while days_before(year + 1, 1, 1) <= days {
         year += 1;

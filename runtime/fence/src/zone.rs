@@ -13,32 +13,32 @@ pub struct Zone {
     pub(crate) polygons: Vec<Polygon>,
 }
 
-/// Whether the vehicle must be inside or outside of a zone, and what the zone limits.
+/// Whether the vehicle must be inside or outside a zone, and what the zone limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// Inside.
     KeepIn {
-        /// The depths that are allowed.
+        /// The allowed depths.
         depth: Band,
-        /// The least height above the bottom, metres.
+        /// The least altitude above the bottom, metres.
         altitude_min_m: f64,
-        /// Whether the vehicle may come to the surface here, whatever the shallowest depth is.
+        /// Whether the vehicle may surface here, whatever the shallowest depth is.
         surfacing: bool,
     },
-    /// Outside, at the depths of the band; at all depths where there is none.
+    /// Outside, at the depths of the band; at all depths if there is no band.
     KeepOut {
-        /// The depths that are forbidden.
+        /// The forbidden depths.
         depth: Option<Band>,
     },
 }
 
-/// A range of depths, metres below the surface, both ends included. A keep-out zone's may be open on one side:
-/// infinite.
+/// A range of depths, metres below the surface, both ends included. The band of a keep-out zone may be infinite on one
+/// side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
-    /// The shallowest.
+    /// The shallowest depth.
     pub min_m: f64,
-    /// The deepest.
+    /// The deepest depth.
     pub max_m: f64,
 }
 
@@ -47,15 +47,15 @@ pub struct Band {
 pub struct Ring<'a> {
     /// Which polygon of the zone, from 1.
     pub polygon: usize,
-    /// Which hole of the polygon, from 1; none for the outer ring.
+    /// Which hole of the polygon, from 1; `None` for the outer ring.
     pub hole: Option<usize>,
-    /// The vertices, the first repeated as the last; outer rings run counterclockwise, holes clockwise. Long edges
+    /// The vertices, with the first repeated as the last. Outer rings run counterclockwise, holes clockwise. Long edges
     /// have extra vertices, so that they follow the straight line of longitude and latitude to a centimetre.
     pub points: &'a [EastNorth],
 }
 
 impl Zone {
-    /// The name, unlike all others of the fence.
+    /// The name, different from all others of the fence.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -67,7 +67,7 @@ impl Zone {
         self.kind
     }
 
-    /// How far from the zone's edge a sweep must keep, metres.
+    /// How far a sweep must keep from the zone's edge, metres.
     #[must_use]
     pub const fn margin_m(&self) -> f64 {
         self.margin_m

@@ -12,8 +12,8 @@ use crate::server::answers::Regarding;
 use crate::server::topics::Topic;
 use crate::vehicle::Vehicle;
 
-/// What a part of the vehicle is shown when something happens, and where it says what it has to say. Never the other
-/// parts: of those it knows what is here.
+/// What a part of the vehicle receives with each call, and through which it replies. A part never sees the other parts;
+/// it knows of them only what is here.
 #[derive(Debug)]
 pub(crate) struct Context<'a> {
     pub(crate) now: Timestamp,
@@ -29,12 +29,12 @@ pub(crate) struct Context<'a> {
     pub(crate) server: &'a mut Server,
 }
 
-/// Angles from true north, where the vehicle is.
+/// Angles from true north at the vehicle's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct North {
-    /// To the frame's north.
+    /// To the north of the world's frame.
     pub(crate) frame_deg: f64,
-    /// To the UTM grid's.
+    /// To the north of the UTM grid.
     pub(crate) grid_deg: f64,
 }
 
@@ -52,7 +52,7 @@ impl North {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Quiet {
     pub(crate) silent: bool,
-    /// Silent, or on the way there.
+    /// Silent, or about to become silent.
     pub(crate) commanded: bool,
     /// The thruster is on.
     pub(crate) driven: bool,
@@ -77,7 +77,7 @@ impl Context<'_> {
         self.server.wanted(topics)
     }
 
-    /// Sends to every client that has switched it on, or to all.
+    /// Sends a message to every client that has switched on its topic, or to all clients if it has no topic.
     pub(crate) fn publish(&mut self, topic: Option<Topic>, message: &FromVehicle) {
         self.server.publish(self.now, topic, message);
     }
@@ -86,7 +86,7 @@ impl Context<'_> {
         self.server.acknowledge(self.now, re, status, text);
     }
 
-    /// A payload says something that is for the log alone.
+    /// Logs what a payload said, and acknowledges it. Nothing else follows from it.
     pub(crate) fn hear(&mut self, re: Regarding, said: MvcEventKind) {
         self.note(said);
         self.acknowledge(re, AckStatus::Succeeded, "");

@@ -1,22 +1,22 @@
 use backseat_plan::PlanError;
 use backseat_world::WorldError;
 
-/// A `world.toml` that the mock cannot run: where, what, and what was expected.
+/// What is wrong with a `world.toml` or a file of faults: the place, what was found, and what was expected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MvcError {
-    /// Not TOML, an unknown key, or a value of the wrong kind.
+    /// The text is not TOML, or it has an unknown key or a value of the wrong type.
     #[error("line {line}, column {column}: {message}: `{text}`")]
     Toml {
         /// Line in the file, from 1.
         line: usize,
         /// Character in that line, from 1.
         column: usize,
-        /// What was found and what was expected, one line.
+        /// What was found and what was expected, on one line.
         message: String,
         /// The line itself, which names the key.
         text: String,
     },
-    /// A value outside what its key allows.
+    /// A value that its key does not allow.
     #[error("{key} is {value}, expected {expected}")]
     Value {
         /// The key with its section: `mission.starts_after_s`.
@@ -26,7 +26,7 @@ pub enum MvcError {
         /// What is allowed, in words.
         expected: &'static str,
     },
-    /// An element of the plan that cannot be flown.
+    /// The vehicle cannot fly an element of the plan.
     #[error("plan element {number}: {fault}")]
     Plan {
         /// Its number, from 1.
@@ -34,15 +34,15 @@ pub enum MvcError {
         /// What is wrong and what was expected.
         fault: String,
     },
-    /// A fault of a plan that cannot be.
+    /// A fault with a missing, superfluous or invalid key.
     #[error("fault {number}: {fault}")]
     Fault {
-        /// Its number in the plan, from 1.
+        /// Its number in the file, from 1.
         number: u32,
         /// The key, what is wrong and what was expected.
         fault: String,
     },
-    /// The world cannot be made.
+    /// The world cannot be made from the file.
     #[error(transparent)]
     World(#[from] WorldError),
 }
@@ -60,7 +60,7 @@ impl From<PlanError> for MvcError {
     }
 }
 
-/// Checks one number of a configuration.
+/// Returns an error with the key and the value unless `ok`.
 pub(crate) fn check(ok: bool, key: &'static str, value: f64, expected: &'static str) -> Result<(), MvcError> {
     if ok {
         Ok(())
@@ -73,7 +73,7 @@ pub(crate) fn check(ok: bool, key: &'static str, value: f64, expected: &'static 
     }
 }
 
-/// A number as people write it: 1e300 is not shown with 301 digits.
+/// A number as people write it: 1e300 is not printed with 301 digits.
 fn short(value: f64) -> String {
     if value != 0.0 && !(1e-6..1e9).contains(&value.abs()) {
         format!("{value:e}")

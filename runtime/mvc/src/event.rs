@@ -1,4 +1,4 @@
-//! The vehicle's log: what happened, line by line.
+//! The vehicle's log: what happened, one event a line.
 
 pub(crate) mod acoustic;
 pub(crate) mod adjustment;
@@ -34,9 +34,9 @@ pub use self::topside::TopsideEvent;
 /// Something that happened in the vehicle: a line of its log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MvcEvent {
-    /// When.
+    /// When it happened.
     pub at: Timestamp,
-    /// What.
+    /// What happened.
     pub kind: MvcEventKind,
 }
 
@@ -45,20 +45,20 @@ pub struct MvcEvent {
 pub enum MvcEventKind {
     /// A client connected.
     Connected(ClientId),
-    /// A client is gone.
+    /// A client disconnected.
     Disconnected(ClientId),
-    /// A client was given a role (SPI 4.1).
+    /// A client got a role (SPI 4.1).
     RoleGiven(ClientId, Box<str>),
     /// A role is free again.
     RoleReleased(ClientId, Box<str>),
-    /// A command message was for a role that nobody holds.
+    /// A command message was for a role that no client holds.
     NobodyHolds {
         /// The role.
         role: Box<str>,
         /// The message's name.
         message: Box<str>,
     },
-    /// The server cut a client off.
+    /// The server closed a client's connection.
     Dropped(ClientId, DropReason),
     /// A client switched a status message on or off.
     Subscribed {
@@ -71,38 +71,38 @@ pub enum MvcEventKind {
     },
     /// The mission's status changed.
     Mission {
-        /// As BFMIS says it.
+        /// The status, as BFMIS reports it.
         status: Status,
-        /// Why, where there is more to say.
+        /// Details such as the reason; may be empty.
         details: Text,
     },
-    /// The vehicle gave (true) or took back (false) control.
+    /// The vehicle gave control to the payload (true) or took it back (false).
     Control(bool),
     /// A behavior began.
     BehaviorBegan(Behavior),
     /// A behavior ended.
     BehaviorEnded(Behavior, EndReason),
-    /// A payload began to modify the current behavior, or changed what it asks for.
+    /// A payload began to modify the current behavior, or changed the values of its modify.
     Modify(ClientId, ModifyValues),
     /// The modify ended.
     ModifyEnded(ModifyEnd),
     /// An insert was added to the plan.
     InsertAccepted(ClientId, BehaviorId),
-    /// An insert was not added.
+    /// An insert was not added to the plan.
     InsertRefused(ClientId, BehaviorId, Refusal),
-    /// An insert was taken out of the plan before it began.
+    /// An insert was removed from the plan before it began.
     InsertCancelled(BehaviorId, CancelCause),
-    /// What the executive did at the plan's or a payload's wish.
+    /// What the executive did because the plan or a payload asked for it.
     Executive(MissionEvent),
-    /// A command that could not be read, or is none.
+    /// A command that could not be read or is unknown.
     CommandInvalid(ClientId, CommandName, Text),
-    /// What a client has sent that is no sentence, counted by cause: it is not answered.
+    /// Input of a client that is no valid sentence, counted by cause. The vehicle does not answer it.
     Ignored(ClientId, Text),
     /// BPSTS.
     PayloadStatus {
         /// Which client.
         client: ClientId,
-        /// All OK, or failed.
+        /// All OK (true), or failed (false).
         ok: bool,
         /// Its text.
         text: Text,
@@ -111,15 +111,15 @@ pub enum MvcEventKind {
     PayloadMessage(ClientId, Text),
     /// BPVER.
     PayloadVersion(ClientId, Text),
-    /// BFSHT was sent: the payload's power goes off in a minute.
+    /// BFSHT was sent: the payload's power goes off one minute later.
     ShutdownSoon,
-    /// The payload's power went off, and every client with it.
+    /// The payload's power went off, and every client was cut off.
     PowerOff,
-    /// GPS came into the navigation solution, or went out of it.
+    /// The navigation solution began (true) or ceased (false) to use GPS.
     Gps(bool),
-    /// The Doppler log gained or lost bottom lock.
+    /// The Doppler log gained (true) or lost (false) bottom lock.
     BottomLock(bool),
-    /// A payload's fix moved the navigation so far, metres.
+    /// A payload's fix moved the navigation solution by this much, metres.
     PositionFix(ClientId, f64),
     /// A payload's fix was not used, and why.
     PositionFixRefused(ClientId, Box<str>),
@@ -136,9 +136,9 @@ pub enum MvcEventKind {
     },
     /// The vehicle touched the seabed.
     Grounded,
-    /// Of a hovering vehicle.
+    /// An event that only a hovering vehicle has.
     Hovering(HoveringEvent),
-    /// A fault of the run's plan began or ended.
+    /// A fault began or ended.
     Fault(FaultEvent),
     /// Silent mode.
     Silence(SilenceEvent),
@@ -150,9 +150,9 @@ pub enum MvcEventKind {
     Topside(TopsideEvent),
     /// The acoustic modem.
     Acoustic(AcousticEvent),
-    /// A sentence could not be written: its name.
+    /// A sentence with this name could not be encoded.
     NotEncoded(Box<str>),
-    /// Events were not fetched in time, and so many are lost.
+    /// This many events are lost, because the driver did not fetch them in time.
     EventsLost(u64),
 }
 
@@ -169,7 +169,7 @@ impl fmt::Display for MvcEventKind {
             Self::Disconnected(client) => write!(f, "{client} disconnected"),
             Self::RoleGiven(client, role) => write!(f, "{client} has the role {role}"),
             Self::RoleReleased(client, role) => write!(f, "the role {role} of {client} is free"),
-            Self::NobodyHolds { role, message } => write!(f, "{message} is for {role} and nobody holds that role"),
+            Self::NobodyHolds { role, message } => write!(f, "{message} is for the role {role}, which no client holds"),
             Self::Dropped(client, reason) => write!(f, "{client} cut off: {reason}"),
             Self::Subscribed { client, message, on } => {
                 write!(f, "{client} switched {message} {}", if *on { "on" } else { "off" })
@@ -186,21 +186,21 @@ impl fmt::Display for MvcEventKind {
             Self::InsertRefused(client, id, why) => write!(f, "insert {id} of {client} refused: {why}"),
             Self::InsertCancelled(id, cause) => write!(f, "insert {id} cancelled: {cause}"),
             Self::Executive(event) => write!(f, "{event}"),
-            Self::Ignored(client, what) => write!(f, "{client} sent what is no sentence: {what}"),
+            Self::Ignored(client, what) => write!(f, "{client} sent invalid input: {what}"),
             Self::CommandInvalid(client, name, text) => write!(f, "{client} sent an invalid command ({name}): {text}"),
             Self::PayloadStatus { client, ok, text } => {
                 write!(
                     f,
-                    "{client} says that it is {}: {text}",
+                    "{client} reports status {}: {text}",
                     if *ok { "ok" } else { "failed" }
                 )
             }
             Self::PayloadMessage(client, text) => write!(f, "{client} says: {text}"),
-            Self::PayloadVersion(client, text) => write!(f, "{client} speaks version {text}"),
+            Self::PayloadVersion(client, text) => write!(f, "{client} uses interface version {text}"),
             Self::ShutdownSoon => f.write_str("payload power goes off in 60 s"),
             Self::PowerOff => f.write_str("payload power is off"),
-            Self::Gps(true) => f.write_str("GPS is in the navigation"),
-            Self::Gps(false) => f.write_str("navigation without GPS"),
+            Self::Gps(true) => f.write_str("navigation uses GPS"),
+            Self::Gps(false) => f.write_str("navigation no longer uses GPS"),
             Self::BottomLock(true) => f.write_str("bottom lock"),
             Self::BottomLock(false) => f.write_str("bottom lock lost"),
             Self::PositionFix(client, metres) => write!(f, "a fix of {client} moved the navigation by {metres:.2} m"),

@@ -30,12 +30,12 @@ use crate::vehicle::Vertical;
 use crate::vehicle::performance::Performance;
 use crate::vehicle::{Demand, Drive, Throttle, Turn};
 
-/// How many identifiers a mission may use up.
+/// The greatest number of identifiers that a mission can use.
 const IDENTIFIERS_MAX: usize = 100_000;
 
-/// The mission executive: which behavior is flown, what is inserted, who has control.
+/// The mission executive: it decides which behavior is flown, which inserts are in the plan, and who has control.
 ///
-/// What happens is left in `log`, in order; [`mission::Mission`] tells it to the clients.
+/// It adds what happens to `log`, in order. [`mission::Mission`] reports that to the clients.
 #[derive(Clone, Debug)]
 pub(crate) struct Executive {
     log: Vec<MvcEventKind>,
@@ -45,34 +45,35 @@ pub(crate) struct Executive {
     altitude_min_m: f64,
     limits: Limits,
     starts_at: Timestamp,
-    /// When the mission is aborted if it runs still.
+    /// When the mission is aborted if it is still running.
     ends_at: Option<Timestamp>,
     status: Status,
-    /// Why the mission ended, which its last status says again.
+    /// Why the mission ended. Later statuses repeat it.
     details: Text,
-    /// The mission is an empty one (SPI 7.20).
+    /// Whether the mission is an empty one (SPI 7.20).
     empty: bool,
-    /// The planned behavior that is current: the one that is flown, or after which the inserts are flown.
+    /// The current behavior of the plan: the one that is flown, or the one after which the inserts are flown.
     index: usize,
     /// The element that it belongs to; 0 before the first.
     element: u32,
     element_began: Timestamp,
-    /// What the plan last held vertically, and its speed: how the way to a GPS hit is flown.
+    /// The plan's last vertical setpoint and speed. The way to a GPS hit is flown with them.
     cruise: (Vertical, f64),
     running: Option<Running>,
     queue: VecDeque<Insert>,
     used: BTreeSet<BehaviorId>,
-    /// The inserts that are flown have interrupted the plan.
+    /// Whether the inserts that are flown have interrupted the plan.
     interrupting: bool,
-    /// What inserts have interrupted, where it is to be resumed, and when; the last is resumed first.
+    /// The behaviors that inserts have interrupted and that will be resumed, and when each was interrupted. The last
+    /// one is resumed first.
     paused: Vec<(Running, Timestamp)>,
     suspension: Option<suspend::Suspension>,
     modify: Option<modify::Modify>,
-    /// How long the running behavior has been modified.
+    /// How long the running behavior has been under a modify.
     modified: Duration,
     modify_barred: bool,
     control: bool,
-    /// Control is not given, whatever the plan allows.
+    /// Control is denied, whatever the plan allows.
     control_denied: bool,
 }
 
@@ -96,9 +97,9 @@ struct Running {
     began: Timestamp,
     timeout: Option<Duration>,
     insert: Option<Insert>,
-    /// What the payload is told where a trackline's lead-in begins and its lead-out ends.
+    /// The text for the payload when a trackline's lead-in begins and its lead-out ends.
     message: Option<PayloadText>,
-    /// The payload has been told to log.
+    /// Whether the payload has been told to log.
     logging: bool,
 }
 
@@ -152,14 +153,14 @@ impl Executive {
         }
     }
 
-    /// What has happened since this was last asked, in order.
+    /// Removes and returns what has happened since the last call, in order.
     pub(crate) fn take_log(&mut self) -> Vec<MvcEventKind> {
         core::mem::take(&mut self.log)
     }
 
-    /// Gives back what [`Executive::take_log`] gave, for its room.
+    /// Takes back the vector from [`Executive::take_log`], to use its memory again.
     pub(crate) fn recycle_log(&mut self, log: Vec<MvcEventKind>) {
-        // Nothing that is told asks the executive for more: its log is still empty.
+        // Reporting an event never adds another one, so the executive's log is still empty.
         self.log = log;
     }
 
@@ -171,12 +172,12 @@ impl Executive {
         self.control
     }
 
-    /// Whether control is withheld though the plan allows it; the next step acts on it.
+    /// Sets whether control is denied although the plan allows it. It takes effect in the next step.
     pub(crate) const fn deny_control(&mut self, denied: bool) {
         self.control_denied = denied;
     }
 
-    /// The vehicle ends the mission that runs, or is to run.
+    /// The vehicle ends a mission that is running or waiting to start.
     pub(crate) fn fail_mission(&mut self, details: &'static str) {
         match self.status {
             Status::Running => self.end_mission(true, details),
@@ -198,8 +199,8 @@ impl Executive {
         self.cruise
     }
 
-    /// How many behaviors of the plan come before the inserts: they have their place "at the end of the current planned
-    /// survey leg or trackcircle or before the beginning of the next one" (SPI 7.5).
+    /// How many behaviors of the plan come before the inserts. The place of inserts is "at the end of the current
+    /// planned survey leg or trackcircle or before the beginning of the next one" (SPI 7.5).
     pub(crate) fn inserts_after(&self) -> usize {
         let after = self.index + 1;
         let inserted = self.running.as_ref().is_some_and(|running| running.insert.is_some());
@@ -211,8 +212,8 @@ impl Executive {
         after + others.unwrap_or(0)
     }
 
-    /// The inserts of the plan in the order in which they are flown: the running one, the waiting ones, the one that an
-    /// insert has interrupted.
+    /// The inserts in the order in which they are flown: the running one, the waiting ones, and those that an insert
+    /// has interrupted.
     pub(crate) fn inserts(&self) -> impl Iterator<Item = &Insert> {
         let begun = self.running.iter().filter_map(|running| running.insert.as_ref());
         let paused = self
@@ -250,8 +251,8 @@ impl Executive {
         }
     }
 
-    /// One step of the mission: what is to move the vehicle now. `convergence_deg` is the angle from true north to
-    /// the frame's.
+    /// One step of the mission. Returns what moves the vehicle now. `convergence_deg` is the angle from true north to
+    /// the frame's north.
     pub(crate) fn tick(&mut self, now: Timestamp, estimate: &Estimate, convergence_deg: f64) -> Drive {
         if self.status == Status::Ready && now >= self.starts_at {
             self.set_status(Status::Running, "");
@@ -310,11 +311,12 @@ impl Executive {
         self.status == Status::Running
     }
 
-    /// Gives or takes back control where `allowDynamicRequests` has changed (SPI 6.24). Whether the running behavior
-    /// has changed by it.
+    /// Gives or takes back control if `allowDynamicRequests` has changed (SPI 6.24). Returns whether this has changed
+    /// the running behavior.
     fn update_control(&mut self, now: Timestamp, at: EastNorth) -> bool {
         let mut changed = false;
-        // Dropped inserts pass on to the next element, which may allow requests again: at most a fall and a rise.
+        // When inserts are dropped, the next element may begin, and it may allow requests again. So control changes at
+        // most twice.
         for _ in 0..3 {
             let allowed = !self.control_denied && self.allows_dynamic_requests(now);
             if allowed == self.control {
@@ -333,7 +335,7 @@ impl Executive {
         changed
     }
 
-    /// "allowDynamicRequests" (SPI 6.24, 7.5).
+    /// The value of "allowDynamicRequests" (SPI 6.24, 7.5).
     fn allows_dynamic_requests(&self, now: Timestamp) -> bool {
         let whole = self.empty || self.limits.control == ControlWindow::Mission;
         self.is_running()

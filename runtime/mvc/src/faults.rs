@@ -1,5 +1,5 @@
-//! What goes wrong in the vehicle, and when: by a plan, or as the run's driver injects it. Faults of the link are told
-//! here and played by [`crate::FaultyLink`].
+//! What goes wrong in a run and when: from a fault plan, or injected by the driver. This module only logs the faults of
+//! the link; [`crate::FaultyLink`] plays them.
 
 mod draw;
 mod plan;
@@ -13,18 +13,18 @@ pub use plan::{
 };
 pub use sensor::{Sensor, SensorFailure};
 
-/// A fault of the run begins or ends: a line of the vehicle's log.
+/// A fault begins or ends: a line of the vehicle's log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultEvent {
-    /// Its number, from 1: its place in the plan, after which those count that were injected.
+    /// Its number, from 1: its place in the plan. Injected faults have the numbers after those of the plan.
     pub number: u32,
-    /// Which of the two.
+    /// Whether it begins or ends.
     pub edge: FaultEdge,
-    /// What.
+    /// What goes wrong.
     pub kind: FaultKind,
 }
 
-/// Which end of a fault.
+/// The begin or the end of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultEdge {
     /// It begins.

@@ -1,4 +1,4 @@
-//! `world.toml` as it is written: every section, parsed and range-checked, before anything is drawn.
+//! `world.toml` as it is written: every section, parsed and checked, before the seed draws anything.
 
 mod acoustic;
 mod adjustment;
@@ -55,8 +55,8 @@ use crate::error::{MvcError, check};
 
 /// The whole of `world.toml`.
 ///
-/// Only `[start]`, `[origin]` and at least one `[[plan]]` must be there; all else has defaults. A number of
-/// `[seabed]`, `[current]` or a plume may be a span, `[least, most]`, from which the seed draws.
+/// Only `[start]`, `[origin]` and one `[[plan]]` are required; everything else has a default. A number of `[seabed]`,
+/// `[current]` or a plume may be a range, `[least, greatest]`, from which the seed draws.
 ///
 /// ```
 /// let file = backseat_mvc::WorldFile::from_toml(r#"
@@ -186,43 +186,43 @@ use crate::error::{MvcError, check};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldFile {
-    /// When and where the run starts.
+    /// When the run starts, and where the vehicle is then.
     pub start: StartConfig,
-    /// Where the world's frame has its zero.
+    /// Where the zero of the world's frame is.
     pub origin: OriginConfig,
-    /// The seabed.
+    /// How deep the water is.
     #[serde(default)]
     pub seabed: SeabedConfig,
     /// How the water rises and falls.
     #[serde(default)]
     pub tide: TideLevelConfig,
-    /// The current.
+    /// How the water flows.
     #[serde(default)]
     pub current: CurrentConfig,
-    /// Temperature and conductivity.
+    /// What the water carries: temperature, conductivity and a tracer.
     #[serde(default)]
     pub field: FieldConfig,
-    /// What lies on the seabed.
+    /// Objects on the seabed.
     #[serde(default)]
     pub targets: Vec<TargetConfig>,
-    /// The vehicle's class and its own limits.
+    /// The vehicle's class, how it moves, and its own limits.
     #[serde(default)]
     pub vehicle: VehicleConfig,
     /// What only a hovering vehicle has, and the ship that it inspects.
     #[serde(default)]
     pub hovering: HoveringConfig,
-    /// Noise of the sensors.
+    /// Sensors and navigation.
     #[serde(default)]
     pub sensors: SensorConfig,
-    /// How the mission starts, ends and bounds what a payload may do.
+    /// How the mission starts and ends, and what it lets a payload do.
     #[serde(default)]
     pub mission: MissionConfig,
-    /// The front seat's plan, in order.
+    /// The front seat's plan, in the order of flight.
     pub plan: Vec<PlanEntry>,
-    /// The SPI server.
+    /// The server that payloads connect to.
     #[serde(default)]
     pub spi: SpiConfig,
-    /// What the specification leaves open.
+    /// How the vehicle reads what the specification leaves open.
     #[serde(default)]
     pub interpretation: InterpretationConfig,
     /// Silent mode.
@@ -243,27 +243,27 @@ pub struct WorldFile {
     /// The acoustic modem.
     #[serde(default)]
     pub acoustic: AcousticConfig,
-    /// What the run must fulfil. The mock carries it and does not judge.
+    /// What the run must achieve. The mock only carries it and does not judge the run.
     #[serde(default)]
     pub expect: Expectations,
-    /// What goes wrong: `[[faults.fault]]` tables, as [`crate::FaultPlan`] reads them from a file of their own.
+    /// What goes wrong: `[[faults.fault]]` tables, with the keys that [`crate::FaultPlan`] reads from a separate file.
     #[serde(default)]
     pub faults: FaultFile,
 }
 
 impl WorldFile {
-    /// Parses and checks a file's text.
+    /// Reads and checks a file's text.
     ///
     /// # Errors
-    /// [`MvcError`] on one line, with line and column where the text itself is wrong, with the key where a value is.
-    /// The file's name is the caller's to add.
+    /// [`MvcError`] on one line: with line and column if the text is not what TOML and the sections allow, and with the
+    /// key if a value is out of range. The caller must add the file's name.
     pub fn from_toml(text: &str) -> Result<Self, MvcError> {
         let file: Self = toml::from_str(text).map_err(|error| toml_error(text, &error))?;
         file.validate()?;
         Ok(file)
     }
 
-    /// The part that the world is made from.
+    /// The part of the file from which the world is made.
     #[must_use]
     pub fn world_config(&self) -> WorldConfig {
         WorldConfig {
@@ -293,7 +293,7 @@ impl WorldFile {
         let (most_s, tick_s) = (self.spi.pending_s.most(), 1.0 / f64::from(self.vehicle.tick_hz));
         let expected = "2 s less one step of the vehicle: requests are decided at a step, within 2 s";
         check(most_s <= 2.0 - tick_s + 1e-9, "spi.pending_s", most_s, expected)?;
-        // The world and the plan have their own rules; the seed does not matter to these, nor does a grid.
+        // World and plan check themselves. These checks need neither the seed nor the grid.
         let world = self.world_config();
         world.validate()?;
         let frame = world.frame()?;
@@ -303,7 +303,7 @@ impl WorldFile {
     }
 }
 
-/// Checks a list of times, seconds after the start.
+/// Checks a list of times, seconds after the start: none may be less than the one before it.
 pub(crate) fn ordered_times(key: &'static str, times: &[f64]) -> Result<(), MvcError> {
     let mut before = 0.0;
     for time in times {
@@ -311,14 +311,14 @@ pub(crate) fn ordered_times(key: &'static str, times: &[f64]) -> Result<(), MvcE
             (before..=1e9).contains(time),
             key,
             *time,
-            "0 to 1e9 s, none before the one that it follows",
+            "0 to 1e9 s, in order of time",
         )?;
         before = *time;
     }
     Ok(())
 }
 
-/// The TOML crate's error on one line. Its own display spreads over five.
+/// The TOML crate's error on one line. Its own text takes five lines.
 fn toml_error(text: &str, error: &toml::de::Error) -> MvcError {
     let start = error.span().map_or(0, |span| span.start).min(text.len());
     let before = text.get(..start).unwrap_or("");
@@ -412,7 +412,7 @@ dynamic = true
             ),
             (
                 "[adjustment]\nimplicit_at_s = [5, 3]",
-                "adjustment.implicit_at_s is 3, expected 0 to 1e9 s, none before",
+                "adjustment.implicit_at_s is 3, expected 0 to 1e9 s, in order of time",
             ),
             ("[power]\nbatteries = 0", "power.batteries is 0, expected 1 to 32"),
             (

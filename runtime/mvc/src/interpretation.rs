@@ -6,67 +6,72 @@ use crate::file::{
     TrackcircleLayout, UnackedFrames,
 };
 
-/// How this run reads what the specification leaves open: the `[interpretation]` section with the seed's draws.
+/// How this run reads what the specification leaves open: the `[interpretation]` section after the seed's draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpretation {
-    /// Inserts are flown after BFCTL has fallen to 0; else they are dropped.
+    /// Whether inserts are flown after the payload has lost control (BFCTL 0); otherwise they are dropped.
     pub inserts_fly_on: bool,
-    /// An interrupted behavior is resumed; else the next one follows.
+    /// Whether an interrupted behavior is resumed; otherwise the next one follows.
     pub resume: bool,
-    /// Length of the lead-in before and of the lead-out after an inserted trackline, metres.
+    /// Length of the lead-in before an inserted trackline, and of the lead-out after it, metres.
     pub lead_in_m: f64,
-    /// BFCTL and BFMIS are repeated to a client that subscribes.
+    /// Whether BFCTL and BFMIS are sent at once to a client that switches them on late.
     pub control_replay: bool,
-    /// BPRCA cancels the inserts of every client; else only those of the one that asks.
+    /// Whether BPRCA cancels the inserts of every client; otherwise only those of the client that asks.
     pub cancel_all: bool,
-    /// BPRMB's heading counts from the north of the UTM grid; else from true north.
+    /// Whether the heading of BPRMB counts from the north of the UTM grid; otherwise from true north.
     pub heading_is_grid: bool,
-    /// Inserts wait for the next leg or circle of the plan; else they follow the current behavior, whatever it is.
+    /// Whether inserts wait for the next trackline or trackcircle of the plan; otherwise they follow the current
+    /// behavior, whatever it is.
     pub inserts_at_legs: bool,
-    /// BFBDL and BFSDL frame inserted tracklines too.
+    /// Whether the vehicle sends BFBDL and BFSDL for inserted tracklines too.
     pub insert_logging: bool,
-    /// BPRCN cancels the insert of any client; else only one of the client that asks.
+    /// Whether BPRCN cancels the insert of any client; otherwise only one of the client that asks.
     pub cancel_any: bool,
-    /// BPRCA takes GPS hits too.
+    /// Whether BPRCA cancels GPS hits too.
     pub cancel_all_gps: bool,
-    /// A modify goes on with the next behavior; else it ends with the one that it modifies.
+    /// Whether a modify goes on under the next behavior; otherwise it ends with the one that it modifies.
     pub modify_survives: bool,
-    /// A modify beyond the safe operating parameters is refused; else what is safe of it is flown.
+    /// Whether a modify beyond the safe operating parameters is refused; otherwise the vehicle flies what is safe of
+    /// it.
     pub modify_beyond_refused: bool,
-    /// BPRMB's rudder and elevator are added to the behavior's own; else they are held as they are.
+    /// Whether the rudder and elevator of BPRMB are added to the behavior's own steering; otherwise the vehicle holds
+    /// these angles.
     pub fins_change: bool,
-    /// BPSUS needs dynamic requests to be allowed, and a suspension ends with them.
+    /// Whether BPSUS needs dynamic requests to be allowed; a suspension then ends with them.
     pub suspend_needs_control: bool,
     /// From where the mission goes on after a suspension.
     pub resume_from: ResumeFrom,
-    /// Vertical positions on a hull count upwards.
+    /// Whether vertical positions on a hull count upwards; otherwise downwards.
     pub hull_vertical_up: bool,
-    /// An adjustment that a payload has asked for is cancelled by a request for silence; else it makes that fail.
+    /// Whether a request for silent mode cancels an adjustment that a payload asked for; otherwise the request fails.
     pub silence_cancels_adjustment: bool,
-    /// BPTRM and BPBOY fail without BFTRM or BFBOY switched on.
+    /// Whether BPTRM and BPBOY fail for a client that has not switched on BFTRM or BFBOY.
     pub adjustment_needs_status: bool,
-    /// BFDVT announces that the DVL has gone back to internal triggering by itself.
+    /// Whether the vehicle sends BFDVT when the DVL goes back to internal triggering because the payload did not
+    /// trigger it.
     pub dvl_timeout_announced: bool,
-    /// BFCPS calls frames failed whose acknowledgement did not come; else unacknowledged.
+    /// Whether BFCPS reports frames without an acknowledgement as failed; otherwise as unacknowledged.
     pub unacked_is_failed: bool,
-    /// No insert of a set whose first has interrupted may be interrupted; else only that first one may not.
+    /// Whether no insert of a set may be interrupted if its first one interrupted the plan; otherwise only that first
+    /// one may not.
     pub set_interrupts: bool,
-    /// Commands are acknowledged only where their own section speaks of it; else all are.
+    /// Whether only those commands are acknowledged whose own section mentions it; otherwise all.
     pub acknowledges_sections: bool,
-    /// Decimals of the time that a BFACK echoes.
+    /// How many decimals of a command's time BFACK repeats.
     pub echo_decimals: u8,
-    /// The layout of BPRTC that is read.
+    /// The layout of BPRTC that the vehicle reads.
     pub trackcircle_layout: CircleLayout,
 }
 
-/// The layout of BPRTC that is read (SPI 7.6).
+/// The layout of BPRTC that the vehicle reads (SPI 7.6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CircleLayout {
-    /// With an entry angle, or without where the field is missing.
+    /// With an entry angle, or without one if that field is missing.
     Either,
     /// With an entry angle.
     Table,
-    /// Without.
+    /// Without an entry angle.
     Header,
 }
 
@@ -80,22 +85,23 @@ fn chosen(choice: Choice<bool>, drawn: bool) -> bool {
 /// From where the mission goes on after a suspension (SPI 8.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResumeFrom {
-    /// As the behavior has it: lines and circles from where they were suspended, others from where the vehicle is.
+    /// It depends on the behavior: tracklines and trackcircles from where they were suspended, others from where the
+    /// vehicle is.
     Behavior,
-    /// From where it was suspended.
+    /// From where it was suspended: the vehicle returns there first.
     SuspensionPoint,
     /// From where the vehicle is.
     Here,
 }
 
 impl Interpretation {
-    /// Every draw is made, whatever is fixed, so that fixing one does not move the others.
+    /// Makes every draw, whatever the file fixes, so that fixing one reading does not change the others.
     pub(crate) fn new(config: &InterpretationConfig, seed: u64) -> Self {
         let mut stream = Stream::new(seed, "interpretation");
         let mut coin = || stream.uniform() < 0.5;
         let drawn = [coin(), coin(), coin(), coin(), coin()];
         let lead_in_m = stream.uniform_in(0.0, 50.0);
-        // New draws come last, so that those before stay as they are.
+        // New draws come last, so that the earlier ones stay the same.
         let mut coin = || stream.uniform() < 0.5;
         let later = [coin(), coin(), coin(), coin(), coin(), coin(), coin(), coin()];
         let mut hovering = Stream::new(seed, "interpretation of hovering");
@@ -106,7 +112,7 @@ impl Interpretation {
             _ => ResumeFrom::Here,
         };
         let upwards = hovering.uniform() < 0.5;
-        // A stream of their own, so that neither family's growth moves the other's draws.
+        // A separate stream, so that more draws in one family do not change those of the others.
         let mut services = Stream::new(seed, "interpretation of services");
         let mut coin = || services.uniform() < 0.5;
         let of_services = [coin(), coin(), coin(), coin()];

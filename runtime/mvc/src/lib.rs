@@ -2,20 +2,21 @@
 //!
 //! Sans-IO: [`Mvc`] reads no clock and no socket. A driver calls, in this order:
 //!
-//! 1. an input: [`Mvc::connect_from`], [`Mvc::disconnect`], [`Mvc::receive`] or [`Mvc::handle_timeout`], each with the time
-//!    of now, which never goes back;
-//! 2. then [`Mvc::poll_transmit`], [`Mvc::poll_disconnect`] and [`Mvc::poll_event`], each until it has no more;
-//! 3. then [`Mvc::poll_timeout`], which says when to call `handle_timeout`.
+//! 1. An input, with the current time, which never goes back: [`Mvc::connect_from`], [`Mvc::disconnect`],
+//!    [`Mvc::receive`] or [`Mvc::handle_timeout`].
+//! 2. [`Mvc::poll_transmit`], [`Mvc::poll_disconnect`] and [`Mvc::poll_event`], each until it returns `None`.
+//! 3. [`Mvc::poll_timeout`], which says when to call `handle_timeout`.
 //!
-//! Everything happens in steps of the vehicle, ten a second unless configured: its motion, its navigation messages,
-//! the lapse of a modify, the outcome of a pending request. What a client sends is answered at once.
+//! The vehicle works in steps, ten a second unless configured otherwise. A step moves the vehicle, sends its navigation
+//! messages and decides pending requests. The mock answers what a client sends at once. A modify and a suspension
+//! lapse, and faults begin and end, at their own times between the steps.
 //!
-//! The mock is the honest other side: it shares the sentences and the quantities with the runtime, and nothing that
-//! judges. What it knows and a payload cannot is in [`Mvc::truth`] and [`Mvc::world`]. The same [`WorldFile`], seed
-//! and inputs give the same bytes.
+//! The mock shares the sentences and the quantities with the runtime, but no code that judges. [`Mvc::truth`] and
+//! [`Mvc::world`] give what the mock knows and a payload cannot know. The same [`WorldFile`], seed and inputs give the
+//! same bytes.
 //!
-//! What goes wrong is a [`FaultPlan`]: the vehicle's own faults act in here, those of the link are played by a driver
-//! with [`LinkFaults`], and each begin and end is an event.
+//! A [`FaultPlan`] says what goes wrong. The faults of the vehicle act in this crate; a driver plays those of the link
+//! with [`LinkFaults`]. Each begin and each end of a fault is an event.
 
 mod context;
 mod error;
@@ -34,7 +35,7 @@ mod services;
 mod truth;
 mod vehicle;
 
-// The plan is written alike in `world.toml` and for a mission.
+// `world.toml` and a mission write the plan in the same format.
 pub use backseat_plan::{PlaceConfig, PlanEntry, PlanKind, VehicleClass};
 
 pub use error::MvcError;

@@ -1,4 +1,4 @@
-//! The vehicle as a whole: it takes what comes to the part that it is for, and has no other knowledge.
+//! The vehicle as a whole: it passes each input to the part that handles it, and knows nothing else.
 
 mod commands;
 mod faults;
@@ -24,7 +24,8 @@ use crate::services::Services;
 use crate::truth::{HoveringTruth, Truth};
 use crate::vehicle::Vehicle;
 
-/// A framer is given no more at once, so that a flood is worked off as it comes, bytes.
+/// The most bytes that a framer receives at once. The mock carries out the commands of one chunk before it takes the
+/// next.
 const CHUNK: usize = 4096;
 
 /// The mock main vehicle computer. See the crate's documentation for the order of calls.
@@ -43,31 +44,35 @@ pub struct Mvc {
     ticks: u64,
     next_tick: Timestamp,
     last_tick: Timestamp,
-    /// What the log last said of it.
+    /// Whether the vehicle touched the seabed at its last step. The log reports a change.
     grounded: bool,
 }
 
 impl Mvc {
-    /// A vehicle at its start, its mission loaded, over a seabed without a grid.
+    /// A vehicle at its start with its mission loaded, over a seabed without a grid.
     ///
     /// # Errors
-    /// As [`Mvc::with_grid`]; and where the file names a grid.
+    /// The errors of [`Mvc::with_grid`], and an error if the file names a grid.
     pub fn new(file: &WorldFile, seed: u64) -> Result<Self, MvcError> {
         Self::with_grid(file, seed, None)
     }
 
-    /// A vehicle at its start, its mission loaded, over the grid that the file's `seabed.grid` names: whoever reads the
-    /// file reads the grid too.
+    /// A vehicle at its start with its mission loaded, over the grid that the file's `seabed.grid` names. The caller
+    /// that reads the file also reads the grid.
     ///
     /// # Errors
-    /// [`MvcError`] where the world or the plan cannot be made from the file (one that [`WorldFile::from_toml`] has passed
-    /// gives none of these but for its grid), where the vehicle starts below the seabed, where its start or its plan leads
-    /// off the grid, and where this seed's water is too shallow for the plan anywhere on its way: less than
-    /// the depth that the element is planned at, or than `vehicle.altitude_min_m` and 0.5 m. Nearer to the bed than its least
-    /// altitude the vehicle does not go, whatever is planned.
+    /// [`MvcError`] if:
     ///
-    /// The way is looked at every 10 m, over a grid every 2 m, by the chart, without the tide. After a setpoint, which ends
-    /// where the current takes it, it is looked at again from the next place that the plan names.
+    /// - the world or the plan cannot be made from the file. This cannot happen with a file from
+    ///   [`WorldFile::from_toml`], except because of its grid;
+    /// - the vehicle starts below the seabed;
+    /// - the start or the plan leads off the grid;
+    /// - this seed's water is too shallow somewhere on the plan's way: shallower than the planned depth of the element,
+    ///   or than `vehicle.altitude_min_m` plus 0.5 m. The vehicle never goes nearer to the seabed than its least
+    ///   altitude, whatever is planned.
+    ///
+    /// The check takes a place every 10 m of the way, or every 2 m over a grid, and the charted depth without the tide.
+    /// The current decides where a setpoint ends, so the check goes on at the next place that the plan names.
     pub fn with_grid(file: &WorldFile, seed: u64, grid: Option<Grid>) -> Result<Self, MvcError> {
         let charted = grid.is_some();
         let world = World::with_grid(&file.world_config(), seed, grid)?;
@@ -105,7 +110,7 @@ impl Mvc {
         })
     }
 
-    /// The sea.
+    /// The sea and what is in it.
     #[must_use]
     pub const fn world(&self) -> &World {
         &self.world
@@ -123,17 +128,17 @@ impl Mvc {
         &self.interpretation
     }
 
-    /// A client has connected from an address that is not known, as one in the same process: it holds no role.
-    /// Otherwise as [`Mvc::connect_from`].
+    /// A client has connected from an unknown address, such as a client in the same process: it holds no role.
+    /// Otherwise the same as [`Mvc::connect_from`].
     pub fn connect(&mut self, now: Timestamp, client: ClientId) {
         self.connect_from(now, client, None);
     }
 
-    /// A client has connected: it is given the role that is meant for its address (SPI 4.1), and told the interface
-    /// version (SPI 5.7).
+    /// A client has connected. It gets the role for its address (SPI 4.1), and BFVER with the interface version (SPI
+    /// 5.7).
     ///
-    /// Where the identifier is known already, the old connection is forgotten. Where there is no room, no role or no
-    /// power, [`Mvc::poll_disconnect`] says so.
+    /// If the identifier is already in use, the mock forgets the old connection. If there is no room, no role or no
+    /// power for the client, [`Mvc::poll_disconnect`] returns it.
     pub fn connect_from(&mut self, now: Timestamp, client: ClientId, address: Option<SocketAddr>) {
         self.handle_timeout(now);
         self.forget(now, client);
@@ -145,8 +150,8 @@ impl Mvc {
         self.settle(now);
     }
 
-    /// A client's connection is gone, with all that it had switched on and all that was due to it. What it has asked
-    /// of the vehicle stands: inserts are flown, a modify lapses by the vehicle's clock.
+    /// A client's connection is gone. The mock forgets the client's subscriptions and what it had still to send to it.
+    /// It keeps what the client asked of the vehicle: inserts are flown, and a modify lapses by the vehicle's clock.
     pub fn disconnect(&mut self, now: Timestamp, client: ClientId) {
         self.handle_timeout(now);
         self.forget(now, client);
@@ -163,7 +168,7 @@ impl Mvc {
         self.server.role_of(client)
     }
 
-    /// Bytes from a client, as they came: any number of sentences, the last perhaps cut.
+    /// Bytes from a client as they arrived: any number of sentences, of which the last may be incomplete.
     pub fn receive(&mut self, now: Timestamp, client: ClientId, bytes: &[u8]) {
         self.handle_timeout(now);
         for chunk in bytes.chunks(CHUNK) {
@@ -179,15 +184,15 @@ impl Mvc {
         self.server.note_ignored(now, client);
     }
 
-    /// When [`Mvc::handle_timeout`] is due.
+    /// When the driver must call [`Mvc::handle_timeout`].
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
         let lapses = self.mission.lapses_at().unwrap_or(self.next_tick);
         Some(self.next_tick.min(lapses).min(self.next_fault()))
     }
 
-    /// Takes every step of the vehicle that is due. A late call takes them all, each at its own time, so that a call
-    /// an hour late costs an hour's steps. The inputs do the same before anything else.
+    /// Takes every step of the vehicle that is due. A late call takes all of them, each at its own time, so a call that
+    /// is an hour late costs an hour's steps. Every input first does the same.
     pub fn handle_timeout(&mut self, now: Timestamp) {
         loop {
             let fault = self.next_fault();
@@ -196,8 +201,7 @@ impl Mvc {
                 self.step_faults(fault);
                 continue;
             }
-            // A modify and a suspension lapse on time and not at the next step: their 5 s and 2 s are promises (SPI
-            // 7.12, 8.1).
+            // A modify and a suspension lapse on time and not at the next step: SPI 7.12 and 8.1 promise 5 s and 2 s.
             if let Some(at) = self.mission.lapses_at().filter(|at| *at <= now.min(self.next_tick)) {
                 self.mission.lapse(at);
                 self.settle(at);
@@ -214,15 +218,16 @@ impl Mvc {
         }
     }
 
-    /// Fills `out` with all that is due to one client now, for one write; none where nothing is due to any.
+    /// Fills `out` with all bytes that wait for one client, for one write, and returns that client. Returns `None` if
+    /// nothing waits for any client.
     ///
-    /// The buffer's content is thrown away and its allocation kept for the next message.
+    /// The buffer's old content is lost. Its allocation is kept for the next message.
     #[must_use]
     pub fn poll_transmit(&mut self, out: &mut Vec<u8>) -> Option<ClientId> {
         self.server.poll_transmit(out)
     }
 
-    /// The next client that the server has cut off: the driver closes its connection.
+    /// The next client that the server has cut off. The driver must close its connection.
     #[must_use]
     pub fn poll_disconnect(&mut self) -> Option<ClientId> {
         self.server.poll_disconnect()
@@ -234,7 +239,8 @@ impl Mvc {
         self.server.poll_event(self.last_tick)
     }
 
-    /// The points of the front seat's plan and of the inserts in it, with the numbers of the planned elements.
+    /// The points of the front seat's plan and of the inserts in it. A point of a planned element has the element's
+    /// number.
     #[must_use]
     pub fn plan_points(&self) -> Vec<(Option<u32>, Position)> {
         let points = self.mission.plan_points(self.sensors.estimate(&self.vehicle).at);
@@ -242,13 +248,13 @@ impl Mvc {
         points.into_iter().map(place).collect()
     }
 
-    /// A hovering vehicle's truth beside [`Mvc::truth`]; none of other vehicles.
+    /// What is true of a hovering vehicle in addition to [`Mvc::truth`]; `None` for other vehicles.
     #[must_use]
     pub fn hovering_truth(&self) -> Option<HoveringTruth> {
         self.services.hovering.truth(&self.vehicle, &self.mission)
     }
 
-    /// The vehicle as it is after its last step.
+    /// The true state of the vehicle after its last step.
     #[must_use]
     pub fn truth(&self) -> Truth {
         let vehicle = &self.vehicle;
@@ -287,7 +293,7 @@ impl Mvc {
         self.mission.status()
     }
 
-    /// Vehicle UTC, as its sentences carry it.
+    /// UTC by the vehicle's clock, as its sentences carry it.
     #[must_use]
     pub fn utc(&self, now: Timestamp) -> Utc {
         self.server.utc(now)

@@ -22,7 +22,7 @@ pub(crate) enum Shape {
         start: EastNorth,
         end: EastNorth,
     },
-    /// The heading counts from true north.
+    /// The vehicle holds a heading, counted from true north.
     Setpoint {
         heading_deg: f64,
         duration: Duration,
@@ -33,25 +33,25 @@ pub(crate) enum Shape {
         orbits: f64,
         entry_deg: Option<f64>,
     },
-    /// To a place, up, and on with the fix (SPI 7.7).
+    /// The vehicle goes to a place, surfaces, and goes on once it has a fix (SPI 7.7).
     GpsHit {
         at: EastNorth,
-        /// The vehicle surfaces by itself.
+        /// Whether the vehicle surfaces by itself; otherwise the payload brings it up.
         climbs: bool,
         times: GpsTimes,
     },
-    /// A text to the payload: over as it begins.
+    /// The vehicle sends a text to the payload. The behavior ends as soon as it begins.
     Command,
-    /// What an empty mission does where the payload asks for nothing: drift, without an end.
+    /// What an empty mission does while the payload asks for nothing: it drifts, without an end.
     Idle,
 }
 
-/// How long a GPS hit may and must take: the vehicle's defaults (SPI 7.7 ignores what BPRGP says).
+/// How long a GPS hit takes. SPI 7.7 ignores the times in BPRGP, so these are the vehicle's defaults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GpsTimes {
-    /// The antenna is out of the water for so long before there is a fix.
+    /// How long the antenna must be out of the water before there is a fix.
     pub(crate) fix: Duration,
-    /// It gives up where it has no fix so long after it came to the place.
+    /// How long after the arrival at the place the GPS hit gives up without a fix.
     pub(crate) within: Duration,
 }
 
@@ -69,7 +69,7 @@ impl Shape {
         }
     }
 
-    /// A survey leg or trackcircle: where the inserts have their place (SPI 7.5).
+    /// Whether it is a trackline or a trackcircle, before which inserts are flown (SPI 7.5).
     pub(crate) const fn is_leg(&self) -> bool {
         match self {
             Self::Trackline { .. } | Self::Trackcircle { .. } => true,
@@ -77,7 +77,7 @@ impl Shape {
         }
     }
 
-    /// A trackline with its lead-in and lead-out; any other shape as it is.
+    /// A trackline with its lead-in and lead-out; any other shape unchanged.
     pub(crate) fn with_leads(self, lead_m: f64) -> Self {
         match self {
             Self::Trackline { start, end } => {
@@ -97,26 +97,26 @@ impl Shape {
 /// One behavior of the front seat's plan.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlanItem {
-    /// Behavior number in the dive file, from 1 (SPI 6.9).
+    /// The behavior's number in the dive file, from 1 (SPI 6.9).
     pub(crate) number: u32,
-    /// The planner-level element that it belongs to, from 1 (SPI 7.11).
+    /// The number of the planner-level element that it belongs to, from 1 (SPI 7.11).
     pub(crate) element: u32,
     /// As planned, without lead-in and lead-out.
     pub(crate) shape: Shape,
     pub(crate) lead_m: f64,
     pub(crate) vertical: Vertical,
     pub(crate) speed_mps: f64,
-    /// When, after the element's begin, dynamic requests are allowed.
+    /// From when to when, counted from the element's begin, dynamic requests are allowed; `None` if they never are.
     pub(crate) dynamic: Option<(Duration, Duration)>,
     pub(crate) timeout: Option<Duration>,
-    /// What the payload is told: a command, or a trackline's message.
+    /// The text for the payload: of a command, or of a trackline.
     pub(crate) message: Option<PayloadText>,
 }
 
-/// Where the east-north frame stops being true.
+/// The distance from the origin up to which the east-north frame is accurate, metres.
 pub(crate) const RADIUS_M: f64 = LocalFrame::RADIUS_M;
 
-/// The plan as it is flown.
+/// Resolves the plan's entries into the behaviors that are flown.
 pub(crate) fn resolve(
     entries: &[PlanEntry],
     frame: &LocalFrame,

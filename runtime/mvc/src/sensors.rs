@@ -35,10 +35,10 @@ use self::solution::FixOutcome;
 /// Velocity towards the frame's east and north, metres a second.
 type EastNorthRate = (f64, f64);
 
-/// What the vehicle's own sensors make of the truth: the navigation solution, and every sensor's readings.
+/// What the vehicle's sensors measure of the truth: the navigation solution, and the readings of all sensors.
 ///
-/// It does not matter to any of it which messages are subscribed: the solution evolves every step, and a reading's
-/// noise depends on the reading's number alone.
+/// None of this depends on which messages are subscribed: the solution advances in every step, and the noise of a
+/// reading depends only on the reading's number.
 #[derive(Clone, Debug)]
 pub(crate) struct Sensors {
     config: SensorConfig,
@@ -53,12 +53,12 @@ pub(crate) struct Sensors {
     tailcone: Tailcone,
     water: Water,
     depth_error_m: f64,
-    /// The depth as it was read last, without noise, metres.
+    /// The last depth reading, without noise, metres.
     depth_m: f64,
-    /// The vehicle's speed of sound over the true one: what a log without a phased array is wrong by.
+    /// The vehicle's speed of sound, divided by the true one: the scale error of a DVL without a phased array.
     sound_ratio: f64,
     schedules: Schedules,
-    /// How the vehicle moved a step before.
+    /// The vehicle's rates in the step before.
     before: Rates,
     now: Rates,
     last: Option<(Navigation, VelocityAndRates)>,
@@ -115,10 +115,10 @@ impl Sensors {
         }
     }
 
-    /// What the executive steers by.
+    /// The estimate by which the executive steers.
     pub(crate) fn estimate(&self, vehicle: &Vehicle) -> Estimate {
         let velocity = self.solution.velocity;
-        // The current is what is left of the velocity over ground without that through the water.
+        // The current is the velocity over ground minus the velocity through the water.
         let water = (
             vehicle.motion().ground.0 - vehicle.motion().current.0,
             vehicle.motion().ground.1 - vehicle.motion().current.1,
@@ -134,7 +134,8 @@ impl Sensors {
         }
     }
 
-    /// What a demand makes the vehicle do: it holds heading and depth as its sensors read them.
+    /// What a demand makes the vehicle do in truth: it holds heading and depth by its sensors, so their errors are
+    /// subtracted.
     pub(crate) fn as_flown(&self, drive: Drive) -> Drive {
         match drive {
             Drive::Under(demand) => Drive::Under(Demand {
@@ -161,27 +162,28 @@ impl Sensors {
         }
     }
 
-    /// Whether GPS is in the solution.
+    /// Whether the solution uses GPS.
     pub(crate) const fn has_gps(&self) -> bool {
         self.solution.has_gps()
     }
 
-    /// Whether the Doppler log has bottom lock.
+    /// Whether the DVL has bottom lock.
     pub(crate) const fn has_bottom_lock(&self) -> bool {
         self.dvl.lock
     }
 
-    /// Turns the Doppler log to look so many degrees above the horizontal.
+    /// Turns the DVL to this angle, degrees above the horizontal.
     pub(crate) fn turn_log(&mut self, look_deg: f64) {
         self.dvl.turn_to(look_deg);
     }
 
-    /// Navigation stands still, in its values and in the time of its solution, or goes on.
+    /// Freezes navigation, with its values and the time of its solution, or lets it continue.
     pub(crate) const fn freeze(&mut self, frozen: bool) {
         self.failed.frozen = frozen;
     }
 
-    /// Navigation says what is not so from the next step on, or no longer, as the fault of this number has it.
+    /// Begins or ends a fault, identified by its number, that makes navigation report wrong values from the next step
+    /// on.
     pub(crate) fn say_untrue(&mut self, number: usize, what: Option<Untrue>) {
         match what {
             Some(what) => self.untrue.begin(number, what, self.steps, self.solution.at),
@@ -189,17 +191,17 @@ impl Sensors {
         }
     }
 
-    /// The solution jumps.
+    /// Makes the solution jump.
     pub(crate) fn jump(&mut self, way: EastNorth) {
         self.solution.move_by(way);
     }
 
-    /// Navigation is not sent, or again.
+    /// Stops the sending of navigation, or starts it again.
     pub(crate) const fn silence_navigation(&mut self, silent: bool) {
         self.failed.silent = silent;
     }
 
-    /// A sensor gives nothing, or works again.
+    /// Makes a sensor fail, or work again.
     pub(crate) const fn sensor_dropout(&mut self, sensor: Sensor, dead: bool) {
         match sensor {
             Sensor::Dvl => self.dvl.dead = dead,
@@ -215,7 +217,7 @@ impl Sensors {
         }
     }
 
-    /// A payload's fix: see [`Solution::fix`].
+    /// Applies a payload's fix, see [`Solution::fix`].
     pub(crate) fn fix(
         &mut self,
         now: Timestamp,
@@ -227,12 +229,12 @@ impl Sensors {
         self.solution.fix(now, place, error_m, age_s, force)
     }
 
-    /// A payload's CTD data.
+    /// Takes a payload's CTD data.
     pub(crate) fn heed_payload_ctd(&mut self, now: Timestamp, data: &PayloadCtd) {
         self.water.heed(now, data);
     }
 
-    /// One step of the vehicle, which has been made.
+    /// Follows a step that the vehicle has made.
     fn advance(&mut self, vehicle: &Vehicle, world: &World, now: Timestamp) {
         self.steps += 1;
         self.before = self.now;
@@ -254,7 +256,7 @@ impl Sensors {
             .step(vehicle, &self.dvl, self.sound_ratio, now, &mut draws);
     }
 
-    /// BFNVG and BFNVR of this step, with one stamp: when they were made, and when the solution was.
+    /// BFNVG and BFNVR of this step. The stamp is the time of the messages and of the solution.
     fn navigation(
         &mut self,
         vehicle: &Vehicle,
@@ -286,7 +288,7 @@ impl Sensors {
                 PositionQuality::NoGps
             },
             altitude: if self.dvl.sounds && !self.failed.altimeter {
-                // A reading of zero would say that there is no lock.
+                // An altitude of zero would mean that there is no lock.
                 Altitude::from_m(
                     (vehicle.motion().water_depth_m - vehicle.motion().depth_m + altitude_noise_m).max(0.01),
                 )
@@ -315,7 +317,7 @@ impl Sensors {
     }
 }
 
-/// The heading from true north, of one from the frame's north.
+/// Converts a heading from the frame's north to one from true north.
 pub(crate) fn true_heading(frame_deg: f64, frame: &LocalFrame, position: Position) -> Heading {
     Heading::from_deg(frame_deg + frame.convergence_deg(position))
         .expect("a wrapped angle and a convergence are finite")

@@ -1,7 +1,7 @@
-//! The server side of the interface: who is connected and what each is told, the vehicle's log and its clock.
+//! The server side of the interface: who is connected and what each client receives, the vehicle's log and its clock.
 //!
-//! Every part of the vehicle says here what it has to say. What a client asks for comes out here, and is routed by
-//! [`crate::Mvc`].
+//! Every part of the vehicle sends its messages through the server. What clients ask for leaves the server here, and
+//! [`crate::Mvc`] routes it.
 
 pub(crate) mod answers;
 mod clients;
@@ -28,7 +28,7 @@ use crate::plan::insert::Insert;
 
 pub(crate) use self::clients::Received;
 
-/// Clients, what is due to them, the log and the clock.
+/// The clients with the bytes that wait for them, the log and the clock.
 #[derive(Debug)]
 pub(crate) struct Server {
     clients: Clients,
@@ -38,7 +38,7 @@ pub(crate) struct Server {
     utc_at_start: Utc,
     version: Text,
     profile: Profile,
-    /// Who has been cut off and not yet been told of to the rest of the vehicle.
+    /// Clients that have been cut off, and of which the rest of the vehicle does not know yet.
     left: Vec<ClientId>,
 }
 
@@ -56,8 +56,8 @@ impl Server {
         }
     }
 
-    /// A client that is not known has connected: it is given the role that is meant for its address (SPI 4.1), and told
-    /// the interface version (SPI 5.7). Where there is no room or no role for it, it is cut off.
+    /// A client that is not known has connected. It gets the role for its address (SPI 4.1), and BFVER with the
+    /// interface version (SPI 5.7). If there is no room or no role for it, it is cut off.
     pub(crate) fn connect(&mut self, now: Timestamp, client: ClientId, address: Option<SocketAddr>) {
         let topics = match self.profile {
             Profile::Spec => 0,
@@ -73,7 +73,7 @@ impl Server {
         }
     }
 
-    /// A client's connection is gone, with all that it had switched on and all that was due to it.
+    /// A client's connection is gone. Forgets the client's subscriptions and the bytes that wait for it.
     pub(crate) fn disconnect(&mut self, now: Timestamp, client: ClientId) {
         self.mute(client);
         if let Some(role) = self.clients.disconnect(client) {
@@ -92,7 +92,7 @@ impl Server {
         self.clients.cut_off_all(reason);
     }
 
-    /// Logs who has been cut off.
+    /// Logs which clients have been cut off.
     pub(crate) fn settle(&mut self, now: Timestamp) {
         while let Some((client, reason, role)) = self.clients.next_dropped() {
             self.mute(client);
@@ -104,7 +104,7 @@ impl Server {
         }
     }
 
-    /// The next client that has been cut off and that the rest of the vehicle is to forget.
+    /// The next client that has been cut off. The rest of the vehicle must forget it.
     pub(crate) fn next_left(&mut self) -> Option<ClientId> {
         self.left.pop()
     }
@@ -127,7 +127,7 @@ impl Server {
         self.clients.next_received(client)
     }
 
-    /// Logs what a client has sent that is no sentence.
+    /// Logs the input of a client that is no valid sentence.
     pub(crate) fn note_ignored(&mut self, now: Timestamp, client: ClientId) {
         if let Some(what) = self.clients.ignored(now, client) {
             self.note(now, MvcEventKind::Ignored(client, what));
@@ -146,7 +146,7 @@ impl Server {
         self.log.poll(last_step)
     }
 
-    /// Vehicle UTC, as its sentences carry it.
+    /// UTC by the vehicle's clock, as its sentences carry it.
     pub(crate) fn utc(&self, now: Timestamp) -> Utc {
         self.utc_at_start + now.since(Timestamp::ZERO)
     }
@@ -155,7 +155,7 @@ impl Server {
         self.utc(now).time_of_day()
     }
 
-    /// Sets the vehicle's clock forward or back.
+    /// Sets the vehicle's clock forward by this much, or back if negative.
     pub(crate) fn step_clock(&mut self, nanos: i64) {
         let utc = self.utc_at_start.as_unix_nanos().saturating_add_signed(nanos);
         self.utc_at_start = Utc::from_unix_nanos(utc);
@@ -165,7 +165,7 @@ impl Server {
         self.log.note(at, kind);
     }
 
-    /// Whether any client has switched one of these on.
+    /// Whether any client has switched on one of these.
     pub(crate) const fn wanted(&self, topics: u32) -> bool {
         self.clients.wanted(topics)
     }
@@ -181,14 +181,14 @@ impl Server {
         }
     }
 
-    /// Sends to every client that has switched it on, or to all.
+    /// Sends a message to every client that has switched on its topic, or to all clients if it has no topic.
     pub(crate) fn publish(&mut self, now: Timestamp, topic: Option<Topic>, message: &FromVehicle) {
         if let Err(name) = self.clients.publish(topic, message) {
             self.note(now, MvcEventKind::NotEncoded(name));
         }
     }
 
-    /// Sends a command message (SPI 5) to the client that holds a role, or to all without one.
+    /// Sends a command message (SPI 5) to the client that holds a role, or to all clients without a role.
     pub(crate) fn order(&mut self, now: Timestamp, role: Option<&str>, message: &FromVehicle) {
         let Some(role) = role else {
             self.publish(now, None, message);
@@ -207,7 +207,7 @@ impl Server {
         self.settle(now);
     }
 
-    /// BPLOG (SPI 7.1). What is switched on by it.
+    /// BPLOG (SPI 7.1). Returns what it switched on.
     pub(crate) fn switch(&mut self, now: Timestamp, re: Regarding, message: Text, on: bool) -> u32 {
         let topics = match named(message.as_str()) {
             Named::Topics(topics) => topics,
@@ -229,7 +229,7 @@ impl Server {
         if on { topics } else { 0 }
     }
 
-    /// BFACK (SPI 6.21), where the client has asked for acknowledgements.
+    /// Sends BFACK (SPI 6.21) if the client has switched it on.
     pub(crate) fn acknowledge(&mut self, now: Timestamp, re: Regarding, status: AckStatus, text: &str) {
         if re.muted || !self.has(re.client, Topic::Acknowledgement) || !self.answers.speaks_of(re.command, status) {
             return;
@@ -243,7 +243,7 @@ impl Server {
             created: self.stamp(now),
             command: re.command,
             command_created: EchoedTime::with_decimals(re.created, self.answers.echo_decimals),
-            // 0 is none on the wire.
+            // On the wire, 0 means that there is no behavior.
             behavior: re.behavior.filter(|id| id.get() != 0),
             status,
             text: Text::cleaned(clipped(text)),
@@ -254,7 +254,7 @@ impl Server {
         }
     }
 
-    /// Answers a command that has a value without a meaning.
+    /// Answers a command with a value that has no meaning.
     pub(crate) fn invalid(&mut self, now: Timestamp, re: Regarding, text: &str) {
         self.note(
             now,
@@ -263,7 +263,7 @@ impl Server {
         self.acknowledge(now, re, AckStatus::Invalid, text);
     }
 
-    /// Answers a command that does not parse: it is named, its time is not echoed.
+    /// Answers a command that does not parse. The answer names the command, but does not repeat its time.
     pub(crate) fn malformed(&mut self, now: Timestamp, client: ClientId, command: CommandName, text: &str) {
         let re = Regarding {
             client,
@@ -275,7 +275,7 @@ impl Server {
         self.invalid(now, re, text);
     }
 
-    /// Answers what is no command at all.
+    /// Answers a sentence that is not a command.
     pub(crate) fn no_command(&mut self, now: Timestamp, re: Regarding, name: &str) {
         let text = format!("{} is no command", name.chars().take(20).collect::<String>());
         let re = Regarding {
@@ -286,22 +286,22 @@ impl Server {
         self.invalid(now, re, &text);
     }
 
-    /// What a fault has this command answered instead of done.
+    /// The status with which a fault makes the vehicle refuse this command, if one does.
     pub(crate) fn refusal(&self, command: CommandName) -> Option<AckStatus> {
         self.answers.refusal(command)
     }
 
-    /// A fault of acknowledgements begins or ends. It has this place in the plan of faults.
+    /// A fault of acknowledgements begins or ends. `index` is its place in the fault plan.
     pub(crate) fn fault(&mut self, index: usize, kind: &FaultKind, begins: bool) {
         self.answers.fault(index, kind, begins);
     }
 
-    /// When the next late acknowledgement is sent; [`Timestamp::MAX`] is never.
+    /// When the next late acknowledgement is sent; [`Timestamp::MAX`] means never.
     pub(crate) fn late_due(&self) -> Timestamp {
         self.answers.late_due()
     }
 
-    /// Sends the acknowledgements that a fault has held back until now.
+    /// Sends the acknowledgements that a fault has delayed until now.
     pub(crate) fn send_late(&mut self, now: Timestamp) {
         while let Some((client, message)) = self.answers.next_late(now) {
             let created = self.stamp(now);
@@ -309,7 +309,7 @@ impl Server {
         }
     }
 
-    /// Starts a request that may be pending. Gives it back where it is to be decided at once.
+    /// Starts a request. Returns it if it is to be decided at once; otherwise it is pending.
     #[must_use]
     pub(crate) fn begin<W: Into<Work>>(&mut self, now: Timestamp, re: Regarding, work: W) -> Option<W> {
         if self.requests.is_immediate() {
@@ -334,7 +334,7 @@ impl Server {
         self.requests.next_due(now)
     }
 
-    /// Takes back the inserts that are still pending and `of` which that is true. How many.
+    /// Cancels the pending inserts for which `of` is true, and returns how many.
     pub(crate) fn take_back(&mut self, of: impl Fn(&Insert) -> bool) -> usize {
         self.requests.take_back(of)
     }

@@ -1,6 +1,5 @@
-//! What the vehicle does for its payloads beside its mission: each section of the interface is a type of its own, which
-//! takes its commands, a step of the vehicle ([`Services::step`]) and the end of a connection
-//! ([`Services::client_left`]).
+//! What the vehicle does for its payloads apart from its mission. Each section of SPI is one type, which handles its
+//! commands, a step of the vehicle ([`Services::step`]) and the end of a connection ([`Services::client_left`]).
 
 mod acoustic;
 mod adjustment;
@@ -29,7 +28,7 @@ use crate::file::WorldFile;
 use crate::server::answers::Regarding;
 use crate::vehicle::{Drive, Vehicle};
 
-/// The services, a section of the interface each.
+/// The services, one for each section of SPI.
 #[derive(Debug)]
 pub(crate) struct Services {
     pub(crate) acoustic: Acoustic,
@@ -59,7 +58,7 @@ impl Services {
         self.silence.quiet(now)
     }
 
-    /// A connection is gone: what it has asked for is decided and no longer answered.
+    /// Handles the end of a connection. The vehicle still decides about its requests, but no longer answers them.
     pub(crate) fn client_left(&mut self, client: ClientId) {
         self.silence.client_left(client);
         self.dvl_trigger.client_left(client);
@@ -71,13 +70,13 @@ impl Services {
         silence.request(ctx, re, request, &mut devices);
     }
 
-    /// What moves the vehicle in truth, of what its mission asks for.
+    /// What actually moves the vehicle when its mission demands `drive`.
     pub(crate) fn quieted(&mut self, ctx: &mut Context<'_>, drive: Drive) -> Drive {
         let (silence, mut devices) = self.silence_and_devices();
         silence.quieted(ctx, drive, &mut devices)
     }
 
-    /// One step of the vehicle, up to the payload's power. Whether that goes off with it.
+    /// The part of a vehicle's step up to the payload's power. Returns whether the power goes off in this step.
     #[must_use]
     pub(crate) fn step(&mut self, ctx: &mut Context<'_>) -> bool {
         let (silence, mut devices) = self.silence_and_devices();
@@ -87,7 +86,7 @@ impl Services {
         self.power.step(ctx)
     }
 
-    /// The same step, after the payload's power.
+    /// The rest of the same step, if the payload's power stays on.
     pub(crate) fn step_on(&mut self, ctx: &mut Context<'_>, mission: &Mission) {
         self.dvl_trigger.step(ctx);
         self.topside.step(ctx);
@@ -95,7 +94,7 @@ impl Services {
         self.hovering.step(ctx, mission);
     }
 
-    /// A fault takes the payload's power, or is about to end. Whether the power goes off now.
+    /// Handles the begin or the end of a fault that takes the payload's power. Returns whether the power goes off now.
     #[must_use]
     pub(crate) fn shut_down(&mut self, ctx: &mut Context<'_>, begins: bool) -> bool {
         if begins {

@@ -1,20 +1,20 @@
 use backseat_spi::BehaviorId;
 use backseat_units::{EastNorth, Position, Timestamp};
 
-/// The vehicle as it is, without any sensor's error: what a judge sees, never a payload.
+/// The true state of the vehicle, without any sensor's error. A judge sees it; a payload never does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
-    /// The step of the vehicle that this is the result of.
+    /// The time of the step that led to this state.
     pub time: Timestamp,
     /// Where it is on the globe.
     pub position: Position,
     /// Where it is in the world's frame.
     pub local: EastNorth,
-    /// Where it believes to be, in the world's frame: what it steers by.
+    /// Where the vehicle believes that it is, in the world's frame. It steers by this.
     pub believed: EastNorth,
     /// Depth, metres.
     pub depth_m: f64,
-    /// The depth that it believes in, metres.
+    /// The depth at which the vehicle believes that it is, metres.
     pub believed_depth_m: f64,
     /// Height above the seabed, metres.
     pub altitude_m: f64,
@@ -28,16 +28,16 @@ pub struct Truth {
     pub east_mps: f64,
     /// Velocity over ground, metres a second towards the frame's north.
     pub north_mps: f64,
-    /// What it is doing.
+    /// What the vehicle is doing.
     pub activity: Activity,
-    /// Whether the payload has control: what BFCTL last said.
+    /// Whether the payload has control, as the last BFCTL said.
     pub control: bool,
 }
 
-/// What is true of a hovering vehicle beside its [`Truth`].
+/// What is true of a hovering vehicle in addition to its [`Truth`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HoveringTruth {
-    /// Distance from the nearest plate of the ship, metres, negative inside; none without a ship.
+    /// Distance from the ship's nearest plate, metres, negative inside; `None` without a ship.
     pub clearance_m: Option<f64>,
     /// Where it is in the frame of relative navigation, metres towards the target.
     pub x_m: f64,
@@ -47,9 +47,9 @@ pub struct HoveringTruth {
     pub bearing_deg: f64,
     /// Speed through the water to starboard, metres a second.
     pub sway_mps: f64,
-    /// When the suspension of its mission lapses unless it is refreshed; none where nothing is suspended.
+    /// When the suspension of its mission lapses unless a payload refreshes it; `None` if nothing is suspended.
     pub suspended_until: Option<Timestamp>,
-    /// What BPSPD has set, metres a second.
+    /// The speed limit that BPSPD sets, metres a second.
     pub speed_limit_mps: f64,
     /// Whether its light is on.
     pub light_on: bool,
@@ -62,7 +62,7 @@ pub enum Activity {
     Waiting,
     /// It flies an element of its plan, unmodified.
     Plan {
-        /// The behavior's number in the plan, from 1; 0 where an empty mission waits for the payload.
+        /// The behavior's number in the plan, from 1; 0 while an empty mission waits for the payload.
         number: u32,
     },
     /// It flies an insert, unmodified.
@@ -72,12 +72,12 @@ pub enum Activity {
     },
     /// A payload modifies what it flies.
     Modified {
-        /// The element's number where an element of the plan is modified.
+        /// The element's number if the payload modifies an element of the plan.
         number: Option<u32>,
-        /// The insert's identifier where an insert is modified.
+        /// The insert's identifier if the payload modifies an insert.
         id: Option<BehaviorId>,
     },
-    /// A payload has suspended its mission and has the vehicle (SPI 8).
+    /// A payload has suspended the mission and steers the vehicle (SPI 8).
     Suspended,
     /// It climbs to the surface after its mission.
     WrappingUp,

@@ -20,34 +20,36 @@ pub(crate) use self::hover::Obstacle;
 pub(crate) use self::motion::{Motion, Tail};
 pub(crate) use self::sixdof::Throttle;
 
-/// What a lag has brought down to this moves nothing any more, in any unit. Left to itself it becomes a subnormal number,
-/// and every sum with those takes a processor a hundred times as long.
+/// A rate below this is set to zero. It is too small to matter in any unit, but a lag would turn it into a subnormal
+/// number, and a processor needs a hundred times as long for arithmetic with those.
 const AT_REST: f64 = 1e-30;
 
-/// The vehicle, which the current carries along: a first-order model of surge, yaw and pitch, or the body of
+/// The vehicle, which the current carries along. It is a first-order model of surge, yaw and pitch, or the body of
 /// [`crate::vehicle::sixdof`].
 ///
-/// No rate of the first-order model jumps: what is asked of it changes accelerations. A step moves it by the mean of the
-/// rates before and after, so that the rates which are told add up to the way that was made, at any rate of steps.
+/// No rate of the first-order model jumps, because demands change accelerations. A step moves the vehicle by the mean
+/// of the rates before and after it. So the reported rates add up to the distance made, whatever the step length.
 #[derive(Clone, Debug)]
 pub(crate) struct Vehicle {
     performance: Performance,
     altitude_min_m: f64,
-    /// Of the steepest climb.
+    /// Sine of the steepest pitch.
     pitch_max_sin: f64,
     lags: Lags,
-    /// What a hovering vehicle keeps clear of.
+    /// The ship that a hovering vehicle keeps clear of.
     obstacle: Option<Obstacle>,
     motion: Motion,
-    /// The part of a torpedo's depth rate that its buoyancy makes and not its pitch.
+    /// The part of a torpedo's depth rate that comes from its buoyancy and not from its pitch.
     float_mps: f64,
-    /// The water's velocity that surge and sway are counted from. Held, the vehicle stands over ground and not in the water.
+    /// The velocity of the water relative to which surge and sway are counted. It is zero while the vehicle is held,
+    /// because then it is at rest over ground and not in the water.
     carried_by: (f64, f64),
     /// Sine and cosine of the heading.
     axis: (f64, f64),
-    /// How fast it floats up adrift, as a share of the class's buoyant rise: its buoyancy may be adjusted (SPI 7.24).
+    /// How fast it floats up when adrift, as a share of the buoyant rise of its class. A command can adjust its
+    /// buoyancy (SPI 7.24).
     rise_share: f64,
-    /// The body that moves it in place of the first-order model.
+    /// The body with six degrees of freedom, if it replaces the first-order model.
     piloted: Option<Box<Piloted>>,
 }
 
@@ -75,8 +77,8 @@ impl Vehicle {
         }
     }
 
-    /// As [`Vehicle::new`], with six degrees of freedom. `performance` is what [`crate::vehicle::sixdof::flown`] makes
-    /// of one.
+    /// As [`Vehicle::new`], with six degrees of freedom. `performance` is a result of
+    /// [`crate::vehicle::sixdof::flown`].
     pub(crate) fn with_body(
         performance: Performance,
         altitude_min_m: f64,
@@ -99,12 +101,12 @@ impl Vehicle {
         self.altitude_min_m
     }
 
-    /// How it is and moves after its last step.
+    /// Its position, attitude and motion after the last step.
     pub(crate) const fn motion(&self) -> &Motion {
         &self.motion
     }
 
-    /// A ship to keep clear of.
+    /// Sets the ship to keep clear of.
     pub(crate) const fn keep_clear_of(&mut self, obstacle: Option<Obstacle>) {
         self.obstacle = obstacle;
     }
@@ -114,12 +116,12 @@ impl Vehicle {
         self.obstacle.as_ref()
     }
 
-    /// Floats it up adrift at this share of its class's buoyant rise.
+    /// Sets how fast it floats up when adrift, as a share of the buoyant rise of its class.
     pub(crate) const fn float_with(&mut self, rise_share: f64) {
         self.rise_share = rise_share;
     }
 
-    /// Reads the sea where the vehicle is.
+    /// Reads water depth, gradient and current at the vehicle's position, and stops the vehicle at the seabed.
     pub(crate) fn sense(&mut self, world: &World, now: Timestamp) {
         (self.motion.water_depth_m, self.motion.gradient) = world.seabed().depth_and_gradient(self.motion.at);
         self.motion.water_depth_m = (self.motion.water_depth_m + world.tide_m(now)).max(0.0);
@@ -134,7 +136,8 @@ impl Vehicle {
         }
     }
 
-    /// One step of `dt_s`: rates first, then what their mean with those before it moves.
+    /// One step of `dt_s` seconds: computes the new rates, then moves the vehicle by the mean of the old and the new
+    /// ones.
     pub(crate) fn step(&mut self, drive: Drive, dt_s: f64) {
         if self.piloted.is_some() {
             return self.pilot(drive, dt_s);
@@ -183,27 +186,27 @@ impl Vehicle {
             ahead_mps * cos - self.motion.sway_mps * sin + self.carried_by.1,
         );
         self.meet_surface_and_bed();
-        // Adrift, nothing keeps it off but the hull itself.
+        // When it is adrift, only the ship's hull stops it.
         let safety_m = if drive == Drive::Adrift { 0.0 } else { self.safety_m() };
         self.stay_clear(safety_m);
         self.motion.at = self.motion.at
             + EastNorth::new(ground.0 + self.motion.ground.0, ground.1 + self.motion.ground.1) * (0.5 * dt_s);
         self.motion.depth_m += 0.5 * (heave_mps + self.motion.heave_mps) * dt_s;
-        // The last of the way up, of which there would be no end.
+        // The rise slows down towards the surface and would never end, so the last millimetre is skipped.
         if self.motion.depth_m < AFLOAT_M && self.motion.heave_mps <= 0.0 {
             self.motion.depth_m = 0.0;
             self.motion.heave_mps = 0.0;
         }
     }
 
-    /// Held over ground. What lets it go finds it at rest there, and the water in motion.
+    /// Holds it over ground. When it is released, it is at rest over ground and the water moves past it.
     fn stand(&mut self) {
         (self.motion.surge_mps, self.motion.sway_mps) = (0.0, 0.0);
         (self.motion.heave_mps, self.motion.yaw_rate_dps) = (0.0, 0.0);
         (self.motion.ground, self.carried_by) = ((0.0, 0.0), (0.0, 0.0));
     }
 
-    /// Where the water's motion changes, the vehicle's own inertia keeps its velocity over ground.
+    /// If the water's velocity changes, the vehicle's inertia keeps its velocity over ground at first.
     fn carry_over(&mut self) {
         let (sin, cos) = self.axis;
         let change = (
@@ -247,7 +250,8 @@ impl Vehicle {
             return;
         }
         self.float(0.0);
-        // Climbs and dives by its attitude: pitch is what the depth rate needs at the speed that it will have by then.
+        // A torpedo climbs and dives by its pitch. The pitch is what the depth rate needs at the speed that the vehicle
+        // will have when it reaches that pitch.
         let speed_mps = self.motion.surge_mps + (self.motion.surge_mps - before_mps) * self.lags.pitch_steps;
         let steepest = self.pitch_max_sin;
         let rise = (self.float_mps - wanted_mps) / speed_mps.max(PITCHES_FROM_MPS);
@@ -256,7 +260,7 @@ impl Vehicle {
 
     fn yaw(&mut self, turn: Turn) {
         let performance = self.performance;
-        // A rudder needs way on.
+        // A rudder has no effect without speed.
         let rate_max_dps = performance.turn_max_dps(self.motion.surge_mps);
         let rate_dps = match turn {
             Turn::Heading(heading_deg) => {
@@ -280,7 +284,7 @@ impl Vehicle {
             Vertical::Pitch(pitch_deg) => self.by_pitch_mps(pitch_deg),
             Vertical::Elevator(elevator_deg) => self.by_pitch_mps(performance.elevator_pitch_deg(elevator_deg)),
         };
-        // Over a slope the depth to hold moves with the vehicle.
+        // Over a slope, the depth for an altitude changes as the vehicle moves.
         let follow_mps = match vertical {
             Vertical::Altitude(_) => self.deepening_mps(),
             Vertical::Depth(_) | Vertical::Pitch(_) | Vertical::Elevator(_) => 0.0,
@@ -288,7 +292,7 @@ impl Vehicle {
         (wanted_mps + follow_mps).clamp(-rate_max_mps, rate_max_mps)
     }
 
-    /// Depth rate that a pitch makes, within the same safe limits.
+    /// The depth rate that a pitch causes, within the limits of [`Vehicle::towards_mps`].
     fn by_pitch_mps(&self, pitch_deg: f64) -> f64 {
         let pitch_deg = pitch_deg.clamp(-self.performance.pitch_max_deg, self.performance.pitch_max_deg);
         let by_pitch_mps = -self.motion.surge_mps * sin(pitch_deg.to_radians());
@@ -297,13 +301,13 @@ impl Vehicle {
             .min(self.towards_mps(f64::INFINITY))
     }
 
-    /// How fast the water under it gets deeper.
+    /// How fast the water depth under the vehicle grows.
     fn deepening_mps(&self) -> f64 {
         self.motion.ground.0 * self.motion.gradient.east_m + self.motion.ground.1 * self.motion.gradient.north_m
     }
 
-    /// Depth rate towards a depth, clipped to the vehicle's own safe limits: not above the surface, not below its
-    /// greatest depth, not nearer the seabed of now and of 10 s ahead than its least altitude.
+    /// The depth rate towards a depth. The depth is clamped to the vehicle's safe limits: not above the surface, not
+    /// below its greatest depth, and not closer to the seabed than its least altitude, now and 10 s ahead.
     fn towards_mps(&self, depth_m: f64) -> f64 {
         let ahead_m = 10.0 * self.deepening_mps();
         let floor_m = self.motion.water_depth_m + ahead_m.min(0.0) - self.altitude_min_m;
@@ -346,8 +350,8 @@ impl Vehicle {
         self.motion.pitch_rate_dps = rate_dps;
     }
 
-    /// Leans into turns a little. Like the pitch it looks half a step ahead, without which it would swing beyond where steps
-    /// are long.
+    /// The vehicle leans into turns a little. Roll, like pitch, is computed half a step ahead: otherwise it would
+    /// overshoot with long steps.
     fn roll(&mut self, dt_s: f64) {
         let left_deg =
             LEAN_S * self.motion.yaw_rate_dps - self.motion.roll_deg - 0.5 * self.motion.roll_rate_dps * dt_s;
@@ -357,18 +361,19 @@ impl Vehicle {
         self.motion.roll_rate_dps = rate_dps;
     }
 
-    /// Sets the depth rate of a torpedo by its pitch. Its speed through the water ahead in the plane.
+    /// Sets the depth rate of a torpedo from its pitch. Returns its horizontal speed ahead through the water.
     fn make_way(&mut self) -> f64 {
         if self.performance.hovers {
             return self.motion.surge_mps;
         }
         let sin = sin(self.motion.pitch_deg.to_radians());
         self.motion.heave_mps = self.float_mps - self.motion.surge_mps * sin;
-        // Its pitch never comes near a right angle, and a root costs less than a cosine.
+        // The pitch never comes close to 90 degrees, and a square root costs less than a cosine.
         self.motion.surge_mps * (1.0 - sin * sin).sqrt()
     }
 
-    /// The surface and the bed stop it as it comes to them: the closer, the slower. On a bed that rises it is pushed up.
+    /// The surface and the bed stop the vehicle: the closer it comes to them, the slower it moves. A rising bed pushes
+    /// it up.
     fn meet_surface_and_bed(&mut self) {
         let gain_per_s = self.lags.stop_per_s;
         let altitude_m = self.motion.water_depth_m - self.motion.depth_m;
@@ -381,13 +386,13 @@ impl Vehicle {
     }
 }
 
-/// The slowest at which pitch is counted on to climb or dive, metres a second.
+/// The least speed in the computation of the pitch for a climb or dive, metres a second.
 const PITCHES_FROM_MPS: f64 = 0.4;
-/// Roll for a rate of turn, seconds.
+/// Degrees of roll per degree a second of turn, seconds.
 const LEAN_S: f64 = 0.3;
-/// How fast it touches the bed in the end, metres a second.
+/// The speed with which it touches the bed, metres a second.
 const TOUCH_MPS: f64 = 0.02;
-/// Nearer to the surface than this it is there, metres.
+/// A vehicle closer to the surface than this is at the surface, metres.
 const AFLOAT_M: f64 = 0.001;
 
 #[cfg(test)]
@@ -466,7 +471,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_leads_beyond_its_own_limits() {
+    fn no_demand_exceeds_the_limits() {
         for class in CLASSES {
             for vertical in [Vertical::Depth(5000.0), Vertical::Altitude(0.0), Vertical::Pitch(-20.0)] {
                 let demand = Demand {
@@ -499,7 +504,7 @@ mod tests {
             throttle: Throttle::Speed(1.5),
         };
         let vehicle = fly(VehicleClass::TwelveInch, demand, 20);
-        // Half of the greatest rudder is half of the fastest turn.
+        // Half of the greatest rudder angle gives half of the fastest turn.
         assert!(
             (vehicle.motion().yaw_rate_dps - 5.0).abs() < 0.1,
             "{}",
@@ -523,7 +528,7 @@ mod tests {
     }
 
     #[test]
-    fn adrift_it_floats_up_and_stops() {
+    fn a_vehicle_adrift_floats_up_and_stops() {
         let demand = Demand {
             turn: Turn::Heading(0.0),
             vertical: Vertical::Depth(5.0),

@@ -5,12 +5,12 @@ use crate::plane::{Plane, Point, Vector, to_segment_m};
 use crate::wire::Setpoint;
 use crate::zone::{Kind, Shape, Zone};
 
-/// Legs are judged in pieces of this length, metres: the plane of a piece is true to millimetres.
+/// Legs are judged in pieces of this length, metres: the plane of a piece is exact to millimetres.
 const PIECE_M: f64 = 250.0;
-/// A longer leg is out of any fence.
+/// The longest leg, metres. A longer one is outside every fence.
 const LEG_MAX_M: f64 = 100_000.0;
 
-/// Where the vehicle may be.
+/// The fence: the area in which the vehicle may be.
 #[derive(Clone, Debug)]
 pub(crate) struct Area {
     reference_deg: f64,
@@ -27,9 +27,9 @@ pub(crate) enum Fault {
 /// What surrounds a point.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surroundings {
-    /// The zones that hold it.
+    /// The zones that contain the point.
     pub(crate) zones: Vec<usize>,
-    /// From it to the nearest edge of any zone, metres.
+    /// The distance from the point to the nearest edge of any zone, metres.
     pub(crate) edge_m: f64,
 }
 
@@ -50,7 +50,7 @@ impl Area {
         }
     }
 
-    /// What surrounds a point; fills what is given, to spare the allocation.
+    /// Writes what surrounds a point into `surroundings`, to avoid an allocation.
     pub(crate) fn survey(&self, point: Point, surroundings: &mut Surroundings) {
         surroundings.zones.clear();
         let mut nearest_m = f64::INFINITY;
@@ -66,13 +66,45 @@ impl Area {
         surroundings.edge_m = nearest_m;
     }
 
+    /// How much room a place has, metres: to the nearest border that must not be crossed, and down to the greatest depth
+    /// that is allowed there. Both are negative on the wrong side, and infinite where nothing bounds them.
+    ///
+    /// Of the keep-in zones, the one with the most room counts; keep-out zones count if they hold at this depth at all
+    /// times. The distance is infinite if it is not asked for.
+    pub(crate) fn room(&self, point: Point, depth_m: f64, distance: bool) -> (f64, f64) {
+        let plane = Plane::at(point);
+        let edge_m = |zone: &Zone| {
+            let to_edge_m = |edge: [Point; 2]| to_segment_m([0.0, 0.0], edge.map(|end| plane.vector(end)));
+            zone.edges().map(to_edge_m).fold(f64::INFINITY, f64::min)
+        };
+        let (mut kept_m, mut clear_m, mut depth_room_m) = (f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY);
+        for zone in &self.zones {
+            let inside = zone.contains(point);
+            let signed_m = |sign: f64| if distance { sign * edge_m(zone) } else { f64::INFINITY };
+            match zone.kind {
+                Kind::KeepIn => {
+                    kept_m = kept_m.max(signed_m(if inside { 1.0 } else { -1.0 }));
+                    if inside {
+                        depth_room_m = depth_room_m.max(zone.depth_max_m - depth_m);
+                    }
+                }
+                Kind::KeepOut if !zone.timed && (zone.depth_min_m..=zone.depth_max_m).contains(&depth_m) => {
+                    clear_m = clear_m.min(signed_m(if inside { -1.0 } else { 1.0 }));
+                }
+                Kind::KeepOut => {}
+            }
+        }
+        (kept_m.min(clear_m), depth_room_m)
+    }
+
     /// The widest margin of any zone, metres.
     pub(crate) fn margin_max_m(&self) -> f64 {
         self.zones.iter().fold(0.0, |most, zone| zone.margin_m.max(most))
     }
 
-    /// Which zone's margin a place of the plane is in by more than a slack: that of a keep-out zone which holds at all
-    /// of the depths, or that of every keep-in zone, of which it is the last one. Nothing where it keeps them.
+    /// The zone in whose margin a place of the plane is by more than a slack; `None` if the place keeps all margins.
+    /// The zone is a keep-out zone that holds at all of the depths, or, if the place is in the margin of every keep-in
+    /// zone or outside it, the last keep-in zone.
     pub(crate) fn margin_broken(&self, plane: &Plane, place: Vector, depths_m: &[f64], slack_m: f64) -> Option<&Zone> {
         let mut nearest = None;
         let mut kept = false;
@@ -92,13 +124,13 @@ impl Area {
         nearest.filter(|_| !kept)
     }
 
-    /// Which zones hold a point; fills what is given, to spare the allocation.
+    /// Writes the zones that contain a point into `zones`, to avoid an allocation.
     pub(crate) fn holding(&self, point: Point, zones: &mut Vec<usize>) {
         zones.clear();
         zones.extend((0..self.zones.len()).filter(|index| self.zones[*index].contains(point)));
     }
 
-    /// Whether a straight leg and its setpoint keep inside one keep-in zone and clear of keep-out zones.
+    /// Judges whether a straight leg with its setpoint stays inside one keep-in zone and clear of keep-out zones.
     pub(crate) fn judge_leg(&self, from: Position, to: Position, setpoint: Setpoint) -> Result<(), Fault> {
         let line = Line::between(from, to);
         let length_m = line.length_m();
@@ -121,7 +153,7 @@ impl Area {
         self.judge(&Shape::Leg(&pieces), setpoint)
     }
 
-    /// Whether a circle's rim and its setpoint keep inside one keep-in zone and clear of keep-out zones.
+    /// Judges whether a circle's rim with its setpoint stays inside one keep-in zone and clear of keep-out zones.
     pub(crate) fn judge_circle(&self, centre: Position, radius_m: f64, setpoint: Setpoint) -> Result<(), Fault> {
         if !(0.0..=LEG_MAX_M).contains(&radius_m) {
             return Err(Fault::Horizontal(format!("a circle of radius {radius_m:.0} m")));
@@ -130,20 +162,20 @@ impl Area {
         self.judge(&Shape::Rim { plane, radius_m }, setpoint)
     }
 
-    /// Whether a zone that lets the vehicle surface holds a position.
+    /// Whether a zone that allows surfacing contains a position.
     pub(crate) fn may_surface(&self, position: Position) -> bool {
         let point = self.point(position);
         let surfacing = |zone: &&Zone| zone.kind == Kind::KeepIn && zone.surfacing;
         self.zones.iter().filter(surfacing).any(|zone| zone.contains(point))
     }
 
-    /// Whether a setpoint is within the bands of any keep-in zone.
+    /// Judges whether a setpoint is within the bands of any keep-in zone.
     pub(crate) fn judge_setpoint(&self, setpoint: Setpoint) -> Result<(), Fault> {
         let mut keep_ins = self.zones.iter().filter(|zone| zone.kind == Kind::KeepIn);
         if keep_ins.any(|zone| zone.allows(setpoint)) {
             return Ok(());
         }
-        Err(Fault::Vertical(format!("{setpoint} is allowed in no keep-in zone")))
+        Err(Fault::Vertical(format!("no keep-in zone allows {setpoint}")))
     }
 
     fn judge(&self, shape: &Shape<'_>, setpoint: Setpoint) -> Result<(), Fault> {
@@ -166,11 +198,11 @@ impl Area {
         if !inside {
             return Err(match (vertical, fault) {
                 (Some(zone), _) => Fault::Vertical(format!(
-                    "{setpoint} is not allowed in zone {}: {} to {} m deep, {} m above the seabed",
+                    "{setpoint} is not allowed in zone {}: expected {} to {} m deep, or at least {} m above the seabed",
                     zone.name, zone.depth_min_m, zone.depth_max_m, zone.altitude_min_m
                 )),
                 (None, Some((zone, clear_m))) => Fault::Horizontal(format!(
-                    "{clear_m:.2} m from the edge of keep-in zone {}, its margin is {} m",
+                    "{clear_m:.2} m from the edge of keep-in zone {}, whose margin is {} m",
                     zone.name, zone.margin_m
                 )),
                 (None, None) => Fault::Horizontal("begins in no keep-in zone".to_owned()),
@@ -185,7 +217,7 @@ impl Area {
             if inside || clear_m < zone.margin_m - shape.slack_m(zone.margin_m) {
                 let clear_m = if inside { 0.0 } else { clear_m };
                 return Err(Fault::Horizontal(format!(
-                    "{clear_m:.2} m from keep-out zone {}, its margin is {} m",
+                    "{clear_m:.2} m from keep-out zone {}, whose margin is {} m",
                     zone.name, zone.margin_m
                 )));
             }
@@ -223,15 +255,16 @@ mod tests {
     }
 
     proptest! {
-        /// A judgement agrees with that of many points of the same shape; the spacing of the points is what may differ.
+        /// The judgement of a shape agrees with that of many points on it. Only the spacing of the points makes a
+        /// difference.
         #[test]
-        fn shapes_are_judged_as_their_points_are(
+        fn a_shape_is_judged_like_its_points(
             from in (-9000.0..9000.0f64, -12000.0..12000.0f64), bearing in 0.0..360.0f64, length in 1.0..4000.0f64,
             rim: bool,
         ) {
             let area = Area::read(FENCE).unwrap();
             let from = EastNorth::new(from.0, from.1);
-            // The frame that the runtime judges in, which shares nothing with this crate.
+            // The frame in which the runtime judges, which shares no code with this crate.
             let frame = LocalFrame::new(backseat_units::Position::from_deg(60.1, 5.15).unwrap());
             let position = |point| {
                 let position = frame.to_position(point);

@@ -5,17 +5,19 @@ use crate::moment::Moment;
 use crate::time_of_day::TimeOfDay;
 
 const DAY_NS: i64 = 86_400_000_000_000;
-/// Bounds of two answers that lie further apart than this are of a clock that was set meanwhile: a tenth of a second that
-/// two clocks may move against each other, and what times of few decimals leave open.
+/// If the bounds of two answers are further apart than this, the clock was set between them: a tenth of a second by
+/// which two clocks may drift apart, and the rounding of times with few decimals.
 const SET_MIN_NS: i64 = 500_000_000;
 
-/// The vehicle's clock against the run's: each answer was made after its command left and before it came itself.
+/// The vehicle's clock compared with the run's clock: the vehicle made each answer after the command left us and before
+/// the answer came.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Clock {
-    /// The run's time less the vehicle's time of day, nanoseconds: neither less nor more.
+    /// The least and the greatest possible difference between the run's time and the vehicle's time of day,
+    /// nanoseconds.
     bounds: Option<[i64; 2]>,
-    /// When the answers of the last seconds came, oldest first, and the bounds that each gives by itself, where it gives
-    /// any. The first one may be older.
+    /// When the answers of the last seconds came, oldest first, with the bounds that each gives by itself, if it gives
+    /// any. The first answer may be older.
     recent: VecDeque<(Moment, Option<[i64; 2]>)>,
 }
 
@@ -23,7 +25,7 @@ impl Clock {
     /// More answers within 10 s than a vehicle gives.
     const RECENT_MAX: usize = 256;
 
-    /// Nothing is known of it.
+    /// Forgets what is known of the vehicle's clock.
     pub(crate) fn forget(&mut self) {
         self.bounds = None;
         self.recent.clear();
@@ -33,13 +35,14 @@ impl Clock {
         self.bounds.is_some()
     }
 
-    /// An answer came of which it is not known here what it answers, or when it was read. The runtime may know.
+    /// An answer came, but the oracle does not know which command it answers, or when the runtime read it. The runtime
+    /// may know.
     pub(crate) fn unmeasured(&mut self, came: Moment) {
         self.remember(came, None);
     }
 
-    /// An answer that was made at the vehicle's time `made` came, to what left before. A flaw where it tells of another
-    /// offset than those before it.
+    /// An answer came that the vehicle made at its time `made`, to a command that left at `left`. Returns a flaw if its
+    /// bounds contradict those of the answers before.
     pub(crate) fn answered(&mut self, left: Moment, came: Moment, made: TimeOfDay) -> Option<Flaw> {
         let made_ns = nanos(made.as_nanos());
         let mut measured = [left, came].map(|at| nanos(at.as_nanos()) - made_ns);
@@ -48,7 +51,7 @@ impl Clock {
             self.remember(came, Some(measured));
             return None;
         };
-        // The same day as that of those before it.
+        // Counts the time on the same day as the answers before.
         let days = (measured[0] - least + DAY_NS / 2).div_euclid(DAY_NS);
         measured = measured.map(|bound| bound - days * DAY_NS);
         self.remember(came, Some(measured));
@@ -76,14 +79,15 @@ impl Clock {
         while self.recent.get(1).is_some_and(|(next, _)| came.since(*next) > STEADY) {
             self.recent.pop_front();
         }
-        // Where there are too many, those that are kept let the clock be set earlier than it was, and never later.
+        // If there are too many, the answers that are kept date the setting of the clock too early, and never too late.
         if self.recent.len() < Self::RECENT_MAX {
             self.recent.push_back((came, bounds));
         }
     }
 
-    /// When the first answer came that the vehicle can have made by the clock of these bounds. The runtime may have seen
-    /// then what is seen only later here: it measures some answers more closely, and some that are not measured here.
+    /// When the first answer came that the vehicle can have made by the clock of these bounds. The runtime may have
+    /// seen then what the oracle sees only later: it measures some answers more closely, and measures some that the
+    /// oracle cannot.
     fn set_since(&self, measured: [i64; 2]) -> Option<Moment> {
         let other = |bounds: &[i64; 2]| apart(measured, *bounds) > SET_MIN_NS;
         let of_it = self.recent.iter().rev();
@@ -92,7 +96,7 @@ impl Clock {
     }
 }
 
-/// How far apart two bounds lie, nanoseconds: not more than nought where they meet.
+/// How far apart two bounds are, nanoseconds; zero or negative if they meet.
 fn apart(one: [i64; 2], other: [i64; 2]) -> i64 {
     one[0].max(other[0]) - one[1].min(other[1])
 }

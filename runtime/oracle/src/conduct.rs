@@ -1,51 +1,53 @@
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 
 use crate::area::Area;
 use crate::delivery::Delivery;
 use crate::limits::{Activity, Truth};
 use crate::plan::Plan;
-use crate::plane::Plane;
+use crate::plane::{Plane, Point};
 use crate::rule::Rule;
 use crate::surroundings::Survey;
 use crate::violation::Findings;
 use crate::wire::Fix;
 use crate::zone::Kind;
 
-/// How long after our commands the vehicle's whereabouts are still their consequence whatever it does.
+/// For so long after our commands, the vehicle's position is their consequence, whatever it does.
 const CONSEQUENCE: Duration = Duration::from_secs(15);
-/// And how long at most while it is on its way to its plan.
+/// And for so long at most while it is on its way back to its plan.
 const WAY_BACK: Duration = Duration::from_secs(300);
-/// How often the vehicle's own idea of its place is held against the margins.
+/// How often the vehicle's estimate of its position is compared with the margins.
 const MARGIN_EVERY: Duration = Duration::from_secs(1);
-/// What two frames, the wire's decimals and a moment of noise may take from a margin, metres.
+/// How much two frames, the decimals of the sentences and a moment of noise can take from a margin, metres.
 const MARGIN_SLACK_M: f64 = 1.0;
-/// How far the true depth may be out of the zone's band, metres.
+/// How far the true depth may be outside the zone's band, metres.
 const DEPTH_SLACK_M: f64 = 1.0;
-/// How long a cancel of ours has consequences.
+/// For so long after a cancel of ours, the vehicle's position is its consequence.
 const CANCEL_CONSEQUENCE: Duration = Duration::from_secs(60);
 /// When the vehicle must have forgotten a modify (SPI 7.12), and 100 ms.
 const LAPSE: Duration = Duration::from_millis(5100);
-/// When the vehicle must have taken its suspended mission up (SPI 8.1), and 100 ms.
+/// When the vehicle must have resumed its suspended mission (SPI 8.1), and 100 ms.
 const STATION_LAPSE: Duration = Duration::from_millis(2100);
-/// A vehicle that has believed itself elsewhere is back where it should be as fast as this, m/s.
+/// A vehicle whose estimate was wrong returns to where it should be at least this fast, m/s.
 const CORRECTION_MPS: f64 = 0.5;
 
-/// What the vehicle truly did.
+/// Judges what the vehicle truly did.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Conduct {
     last: Option<(Moment, Activity)>,
     commanded_until: Option<Moment>,
-    /// Since then it has been on its plan, or has been led elsewhere by others.
+    /// Since our last command it has been on its plan, or others have led it elsewhere.
     is_back: bool,
-    /// When the vehicle took a cancel of ours, under which it may be on its way until it is on its plan again.
+    /// When the vehicle accepted a cancel of ours. After it, the vehicle may be on its way until it is on its plan
+    /// again.
     cancelled: Option<Moment>,
     survey: Survey,
-    /// How far the vehicle is from where it believes to be, metres.
+    /// How far the vehicle is from its estimated position, metres.
     error_m: f64,
     depth_error_m: f64,
-    /// How far the vehicle may be from where it should be because it believes, or has believed, to be elsewhere, metres.
+    /// How far the vehicle may be from where it should be, because its estimate is or was wrong, metres.
     astray_m: f64,
     depth_astray_m: f64,
     outside: Excursion,
@@ -53,6 +55,7 @@ pub(crate) struct Conduct {
     grounded: Excursion,
     margin: Excursion,
     margin_judged: Option<Moment>,
+    margins_noted: Option<Moment>,
     outlived: Excursion,
     station_outlived: Excursion,
     reports: u64,
@@ -61,24 +64,25 @@ pub(crate) struct Conduct {
     modified: Duration,
 }
 
-/// A breach that lasts is told once.
+/// Reports a lasting breach once.
 #[derive(Clone, Copy, Debug, Default)]
 struct Excursion(bool);
 
-/// What else the judgement needs to know.
+/// What else the judgement needs.
 pub(crate) struct Context<'a> {
     pub(crate) area: &'a Area,
     pub(crate) plan: &'a Plan,
     pub(crate) tracking_error_m: f64,
-    /// Where the vehicle said last that it is, where that is news.
+    /// The position that the vehicle reported last, if it is recent.
     pub(crate) believed: Option<Fix>,
-    /// What may have passed since the vehicle received what was sent last.
+    /// What the vehicle has received, and when.
     pub(crate) delivery: &'a Delivery,
     pub(crate) link_delay: Duration,
 }
 
 impl Conduct {
-    /// Reports, reports held against the fence, seconds of inserts, seconds of modifies.
+    /// The number of reports, the number of them that were compared with the fence, seconds of inserts, seconds of
+    /// modifies.
     pub(crate) fn counts(&self) -> (u64, u64, f64, f64) {
         (
             self.reports,
@@ -88,17 +92,17 @@ impl Conduct {
         )
     }
 
-    /// The vehicle took a cancel of ours of what it flew, or of what was to come.
+    /// The vehicle accepted a cancel of ours, for what it flew or for what was to come.
     pub(crate) fn cancelled(&mut self, at: Moment) {
         self.cancelled = Some(at);
     }
 
-    /// The vehicle has control again, or ends its mission: what it does from now on is its own.
+    /// The vehicle has taken control back, or ends its mission: from now on, what it does is its own doing.
     pub(crate) const fn taken(&mut self) {
         self.is_back = true;
     }
 
-    /// How far the vehicle is from where it believes to be from now on, and from its depth, metres.
+    /// Sets how far the vehicle is from its estimated position and depth, metres.
     pub(crate) fn believed(&mut self, error_m: f64, depth_error_m: f64) {
         (self.error_m, self.depth_error_m) = (error_m, depth_error_m);
     }
@@ -143,7 +147,8 @@ impl Conduct {
                 }
                 false
             }
-            // Its own frame and box are judged there: polygons on the chart say little beside a hull.
+            // Hovering is judged by the boxes in the vehicle's own frame: polygons on the chart say little beside a
+            // hull.
             Activity::Suspended => return,
             Activity::Other => {
                 self.commanded_until = None;
@@ -158,7 +163,7 @@ impl Conduct {
         }
     }
 
-    /// What must have lapsed by the vehicle's own clock.
+    /// Judges whether a modify or suspension has lapsed in time by the vehicle's own clock.
     fn judge_lapses(&mut self, at: Moment, truth: &Truth, context: &Context<'_>, findings: &mut Findings) {
         let over = |last: Option<Moment>, lapse: Duration| {
             last.is_none_or(|last| at.since(last) > lapse + context.delivery.delay(context.link_delay))
@@ -168,19 +173,30 @@ impl Conduct {
             Activity::Suspended => findings.judge(Rule::StationOutlives),
             Activity::Plan | Activity::Insert(_) | Activity::Other => {}
         }
+        let delay = context.delivery.delay(context.link_delay);
+        let mut lasts = |margin: Margin, last: Option<Moment>, lapse: Duration| {
+            if let Some(last) = last {
+                findings.near(margin, at.since(last).as_secs_f64(), (lapse + delay).as_secs_f64());
+            }
+        };
+        match truth.activity {
+            Activity::Modified => lasts(Margin::ModifyLasts, context.delivery.last_modify(), LAPSE),
+            Activity::Suspended => lasts(Margin::StationLasts, context.delivery.last_station(), STATION_LAPSE),
+            Activity::Plan | Activity::Insert(_) | Activity::Other => {}
+        }
         let last = context.delivery.last_modify();
         let outlived = truth.activity == Activity::Modified && over(last, LAPSE);
         self.outlived
             .tell(outlived, findings, at, Rule::ModifyOutlives, || match last {
-                Some(last) => format!("still modified though the last BPRMB was of {last}"),
-                None => "modified without any BPRMB".to_owned(),
+                Some(last) => format!("a modify was still active, although the last BPRMB dates from {last}"),
+                None => "a modify was active without any BPRMB".to_owned(),
             });
         let last = context.delivery.last_station();
         let outlived = truth.activity == Activity::Suspended && over(last, STATION_LAPSE);
         self.station_outlived
             .tell(outlived, findings, at, Rule::StationOutlives, || match last {
-                Some(last) => format!("still suspended though the last sentence that keeps it was of {last}"),
-                None => "suspended without any BPSUS".to_owned(),
+                Some(last) => format!("a suspension was still active, although the last refresh dates from {last}"),
+                None => "a suspension was active without any BPSUS".to_owned(),
             });
     }
 
@@ -195,7 +211,7 @@ impl Conduct {
         self.survey.at(point, context.area);
         let (mut inside, mut depth_allowed, mut excluded) = self.where_it_is(truth, commanded, context.area);
         let mut out = !inside || excluded.is_some();
-        // What an error of navigation explains is not held against anyone.
+        // What an error of navigation explains is not a violation.
         if out && self.astray_m > 0.0 {
             self.survey.anew(point, context.area);
             (inside, depth_allowed, excluded) = self.where_it_is(truth, commanded, context.area);
@@ -204,7 +220,7 @@ impl Conduct {
         let planned = || context.plan.passes(point, context.tracking_error_m + self.astray_m);
         let excused = !commanded && planned();
         if excused {
-            // It is on its own plan again.
+            // The vehicle is on its own plan again.
             self.cancelled = None;
             self.is_back = true;
         }
@@ -216,6 +232,9 @@ impl Conduct {
                 truth.position.latitude_deg, truth.position.longitude_deg, truth.depth_m, truth.activity
             )
         };
+        if commanded {
+            self.note_margins(at, (point, truth), context.area, findings);
+        }
         let rule = if commanded || self.cancelled.is_none() {
             Rule::TruthFence
         } else {
@@ -234,21 +253,21 @@ impl Conduct {
         });
         let depth = inside && !depth_allowed && !excused;
         self.depth.tell(depth, findings, at, Rule::TruthDepth, || {
-            format!("out of the depths of every keep-in zone at {}", place())
+            format!("outside the depths of every keep-in zone at {}", place())
         });
-        // An altitude which is no number is no clearance.
+        // An altitude of NaN is no clearance.
         let grounded = commanded && (truth.altitude_m <= 0.0 || truth.altitude_m.is_nan());
         self.grounded.tell(grounded, findings, at, Rule::TruthGrounded, || {
             format!("altitude {:.2} m at {}", truth.altitude_m, place())
         });
     }
 
-    /// What the vehicle believes of its place under an insert. A correction of navigation moves that at once, by no more than
-    /// what was wrong, which the error against the truth tells.
+    /// Judges the vehicle's estimate of its position while it flies an insert. A correction of navigation moves the
+    /// estimate at once, by no more than its error against the truth.
     fn judge_margin(&mut self, at: Moment, context: &Context<'_>, findings: &mut Findings) {
         let Some(fix) = context.believed else { return };
         let recent = |judged: Moment| at.since(judged) < MARGIN_EVERY;
-        // The truth is no further from what is believed than the error.
+        // The true position is no further from the estimate than the error.
         if self.margin_judged.is_some_and(recent)
             || self.survey.spare_m() > context.area.margin_max_m() + self.error_m && !self.outside.0
         {
@@ -262,7 +281,8 @@ impl Conduct {
         let zone = context.area.margin_broken(&plane, [0.0, 0.0], &depths_m, slack_m);
         self.margin.tell(zone.is_some(), findings, at, Rule::InsertMargin, || {
             format!(
-                "at {:.6} {:.6}, {:.1} m deep, as it believes: in the margin of zone {} by over {slack_m:.1} m",
+                "the vehicle estimates that it is at {:.6} {:.6}, {:.1} m deep: over {slack_m:.1} m into the margin of \
+                 zone {}",
                 fix.position.latitude_deg,
                 fix.position.longitude_deg,
                 fix.depth_m,
@@ -271,8 +291,24 @@ impl Conduct {
         });
     }
 
-    /// Whether any keep-in zone holds the vehicle, whether one of those allows its depth, and which keep-out zone holds
-    /// it.
+    /// How near the vehicle is to what is forbidden. Twice a second is enough: it moves by a metre or two.
+    fn note_margins(&mut self, at: Moment, (point, truth): (Point, &Truth), area: &Area, findings: &mut Findings) {
+        if self.margins_noted.is_some_and(|noted| at.since(noted) < MARGIN_EVERY) {
+            return;
+        }
+        self.margins_noted = Some(at);
+        findings.near(Margin::Altitude, truth.altitude_m, 0.0);
+        let known = findings
+            .margins()
+            .nearest(Margin::Clearance)
+            .map_or(f64::INFINITY, |known| known.value);
+        let (clearance_m, depth_room_m) = area.room(point, truth.depth_m, self.survey.spare_m() < known);
+        findings.near(Margin::DepthRoom, depth_room_m, 0.0);
+        findings.near(Margin::Clearance, clearance_m, 0.0);
+    }
+
+    /// Returns whether any keep-in zone contains the vehicle, whether one of those allows its depth, and which keep-out
+    /// zone contains it.
     fn where_it_is(&self, truth: &Truth, commanded: bool, area: &Area) -> (bool, bool, Option<usize>) {
         let slack_m = DEPTH_SLACK_M + self.depth_astray_m;
         let (mut inside, mut depth_allowed, mut excluded) = (false, false, None);
@@ -281,7 +317,8 @@ impl Conduct {
             match zone.kind {
                 Kind::KeepIn => {
                     inside = true;
-                    // What its own plan does with its depth is the vehicle's; only what is too deep can be our doing.
+                    // The depth under the vehicle's own plan is its own doing; only a depth that is too great can be
+                    // ours.
                     let too_shallow = commanded && truth.depth_m < zone.depth_min_m - slack_m;
                     depth_allowed |= !too_shallow && truth.depth_m <= zone.depth_max_m + slack_m;
                 }

@@ -7,25 +7,26 @@ use crate::surroundings::Survey;
 use crate::wire::{Fix, Modify, Setpoint};
 use crate::zone::Kind;
 
-/// How long a vehicle goes on after a BPRMB for sure, seconds: the 5 s of SPI 7.12, less what delays may take.
+/// How long a vehicle certainly continues after a BPRMB, seconds: the 5 s of SPI 7.12, less what delays may take.
 const CERTAIN_S: f64 = 4.5;
 const STEPS: u32 = 6;
-/// The two norths that a heading may count from differ by less, degrees.
+/// The two norths from which a heading may count differ by less than this, degrees.
 const NORTH_DEG: f64 = 4.0;
-/// Any vehicle turns faster than this, degrees a second.
+/// Every vehicle turns faster than this, degrees a second.
 const TURN_MIN_DPS: f64 = 3.0;
-/// What two frames, the wire's decimals and a moment of noise may take from a margin, metres.
+/// How much two frames, the decimals of the sentences and a moment of noise can take from a margin, metres.
 const MARGIN_SLACK_M: f64 = 1.0;
 
-/// What a modify certainly leads to.
+/// Where a modify certainly leads.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Consequence {
     survey: Survey,
 }
 
 impl Consequence {
-    /// Where a BPRMB takes the vehicle out of the fence, whatever north its heading counts from and however fast the
-    /// vehicle turns: straight on from where it said that it is, until it would forget the modify, without any margin.
+    /// Describes how a BPRMB takes the vehicle out of the fence, for every north from which its heading may count and
+    /// every rate of turn: straight on from the reported position, until the vehicle would forget the modify, and
+    /// without any margin. `None` if it does not.
     pub(crate) fn judge(&mut self, modify: &Modify, fix: &Fix, area: &Area) -> Option<String> {
         let (heading_deg, speed_mps) = modify.heading_deg.zip(modify.speed_mps)?;
         let way_m = way_m(speed_mps);
@@ -34,7 +35,7 @@ impl Consequence {
         let surroundings = self.survey.surroundings();
         let depths_m = depths(modify, fix);
         if self.survey.spare_m() > way_m + 1.0 {
-            return is_out(&surroundings.zones, &depths_m, area).then(|| "it is there already".to_owned());
+            return is_out(&surroundings.zones, &depths_m, area).then(|| "the vehicle is outside already".to_owned());
         }
         let plane = Plane::at(from);
         let mut zones = Vec::new();
@@ -44,11 +45,11 @@ impl Consequence {
                 is_out(&zones, &depths_m, area)
             })
         });
-        all.then(|| format!("{way_m:.1} m on with heading {heading_deg} at {speed_mps} m/s"))
+        all.then(|| format!("within {way_m:.1} m on heading {heading_deg} at {speed_mps} m/s"))
     }
 
-    /// Where a BPRMB takes the vehicle into a margin, or finds it there, by the same ways: whichever of the fixes the runtime
-    /// has judged by.
+    /// Describes how a BPRMB takes the vehicle into a margin, or finds it there, by the same ways. `None` if it does
+    /// not from one of the fixes, because the runtime may have judged by any of them.
     pub(crate) fn judge_margin(&mut self, modify: &Modify, fixes: [&Fix; 2], area: &Area) -> Option<String> {
         let (heading_deg, speed_mps) = modify.heading_deg.zip(modify.speed_mps)?;
         let way_m = way_m(speed_mps);
@@ -66,24 +67,25 @@ impl Consequence {
                 name = Some(&zone.name);
                 Some(())
             };
-            // Where they begin and where they end: between, a way straight on cannot break what neither breaks by much.
+            // The begin and the end of each way are enough: a straight way between two places that keep a margin cannot
+            // break it by much.
             ways(heading_deg, fix.heading_deg, way_m).all(|way| {
                 let end = way.last().unwrap_or_default();
                 broken([0.0, 0.0]).or_else(|| broken(end)).is_some()
             })
         });
         name.filter(|_| all).map(|name| {
-            format!("{way_m:.1} m on with heading {heading_deg} at {speed_mps} m/s, in the margin of zone {name}")
+            format!("within {way_m:.1} m on heading {heading_deg} at {speed_mps} m/s, in the margin of zone {name}")
         })
     }
 }
 
-/// How far a vehicle goes for certain, metres.
+/// How far a vehicle certainly goes, metres.
 fn way_m(speed_mps: f64) -> f64 {
     CERTAIN_S * speed_mps.clamp(0.0, 10.0)
 }
 
-/// The depths that the vehicle has for certain or goes to; none where it has no setpoint of depth.
+/// The depths that the vehicle has or goes to; none if the modify has no setpoint of depth.
 fn depths(modify: &Modify, fix: &Fix) -> Vec<f64> {
     match modify.vertical {
         Some(Setpoint::Depth(depth_m)) => vec![depth_m, fix.depth_m],
@@ -91,13 +93,13 @@ fn depths(modify: &Modify, fix: &Fix) -> Vec<f64> {
     }
 }
 
-/// The ways to a heading, whatever north it counts from and however fast the vehicle turns.
+/// The ways to a heading, for every north from which it may count and every rate of turn.
 fn ways(to_deg: f64, from_deg: f64, way_m: f64) -> impl Iterator<Item = impl Iterator<Item = Vector>> {
     let norths = [0.0, -NORTH_DEG, NORTH_DEG].into_iter();
     norths.flat_map(move |north_deg| [false, true].map(|turns| way(to_deg + north_deg, from_deg, turns, way_m)))
 }
 
-/// Points of the way to a heading: turned to at once, or as slowly as a vehicle can.
+/// Points of the way to a heading, onto which the vehicle turns at once, or as slowly as a vehicle can.
 fn way(to_deg: f64, from_deg: f64, turns: bool, way_m: f64) -> impl Iterator<Item = Vector> {
     let left_deg = wrap_180(to_deg - from_deg);
     let mut place = [0.0, 0.0];
@@ -117,7 +119,7 @@ fn way(to_deg: f64, from_deg: f64, turns: bool, way_m: f64) -> impl Iterator<Ite
     })
 }
 
-/// Whether a place in these zones is out of the fence: in no keep-in zone, or in a keep-out zone that holds at its
+/// Whether a place in these zones is outside the fence: in no keep-in zone, or in a keep-out zone that holds at its
 /// depths.
 fn is_out(zones: &[usize], depths_m: &[f64], area: &Area) -> bool {
     let mut inside = false;

@@ -4,14 +4,14 @@ use crate::moment::Moment;
 
 use crate::limits::ControlHook;
 
-/// Whether the vehicle's own words give us control: on this connection, by the hook, while the mission runs.
+/// Whether the vehicle's own sentences give us control: on this connection, by the hook, while the mission runs.
 #[derive(Clone, Debug)]
 pub(crate) struct Control {
     hook: ControlHook,
     up: bool,
     granted_by_hook: Word,
     running: Word,
-    /// Nothing where it is not known.
+    /// `None` if it is not known.
     granted: Option<bool>,
     since: Moment,
 }
@@ -21,22 +21,22 @@ pub(crate) struct Control {
 enum Word {
     Unsaid,
     Said(bool),
-    /// It may have said anything: nobody has written it down.
+    /// The record has a gap, in which the vehicle may have said anything.
     Lost,
 }
 
-/// What became of control.
+/// How control has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Change {
     None,
     Gained,
     Lost {
-        /// How long it was held.
+        /// How long we had it.
         held: Duration,
     },
-    /// It is not known any more.
+    /// The oracle does not know any more whether we have control.
     Forgotten {
-        /// How long it was held.
+        /// How long we had it.
         held: Duration,
     },
 }
@@ -61,22 +61,22 @@ impl Control {
         matches!(self.granted, Some(true))
     }
 
-    /// Whether the run has told whose control is.
+    /// Whether the oracle knows who has control.
     pub(crate) const fn is_known(&self) -> bool {
         self.granted.is_some()
     }
 
-    /// Since when there is no control; `None` where there is.
+    /// Since when we do not have control; `None` if we have it or the oracle does not know.
     pub(crate) fn denied_since(&self) -> Option<Moment> {
         (self.granted == Some(false)).then_some(self.since)
     }
 
-    /// Since when there is control; `None` where there is none.
+    /// Since when we have control; `None` if we do not have it or the oracle does not know.
     pub(crate) fn held_since(&self) -> Option<Moment> {
         self.is_granted().then_some(self.since)
     }
 
-    /// The link came up or went down: either way all earlier words are void.
+    /// The link came up or went down. Both make all earlier sentences void.
     pub(crate) fn link(&mut self, at: Moment, up: bool) -> Change {
         self.up = up;
         self.granted_by_hook = Word::Unsaid;
@@ -84,14 +84,14 @@ impl Control {
         self.settle(at)
     }
 
-    /// What was said until now was not all written down: control is unknown until the vehicle says it again.
+    /// The record has a gap until now: control is unknown until the vehicle reports it again.
     pub(crate) fn lose_sight(&mut self, at: Moment) -> Change {
         self.granted_by_hook = Word::Lost;
         self.running = Word::Lost;
         self.settle(at)
     }
 
-    /// Bytes come or go: the link is up, whatever was not written down.
+    /// Bytes on the link show that it is up, whatever the record lacks.
     pub(crate) fn seems_up(&mut self, at: Moment) -> Change {
         self.up = true;
         self.settle(at)

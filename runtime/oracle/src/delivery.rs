@@ -1,26 +1,27 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 use crate::time_of_day::TimeOfDay;
 
 use crate::rule::Rule;
 use crate::violation::Findings;
 
-/// What was sent that steers, and what of it the vehicle has received, where the run tells that.
+/// The steering sentences that were sent, and those that the vehicle has received, if the run reports arrivals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Delivery {
     sent: Newest,
-    /// Nothing where arrivals are not told.
+    /// `None` if arrivals are not reported.
     arrived: Option<Newest>,
     /// The newest BPRMB: when they were made, and when they left.
     modifies: VecDeque<(TimeOfDay, Moment)>,
-    /// For how many reasons the vehicle is deaf, and when it last heard again.
+    /// The number of reasons for which the vehicle is deaf, and when it last heard again.
     deaf: u32,
     hears_since: Option<Moment>,
 }
 
-/// The last of what the vehicle forgets by its own clock.
+/// The last sentences whose effect the vehicle ends by its own clock.
 #[derive(Clone, Copy, Debug, Default)]
 struct Newest {
     modify: Option<Moment>,
@@ -28,8 +29,8 @@ struct Newest {
 }
 
 impl Delivery {
-    /// A BPRMB that arrives so long after it was sent is stale. A write that is not acknowledged for 2 s ends the
-    /// connection, and what it held is lost; half a second more is for how soon that is seen.
+    /// A BPRMB that arrives so long after it was sent is stale. If a write is not acknowledged for 2 s, the connection
+    /// ends and the write is lost; half a second more is the time until that is noticed.
     const STALE: Duration = Duration::from_millis(2500);
     const MODIFIES_MAX: usize = 256;
 
@@ -45,13 +46,13 @@ impl Delivery {
         self.sent.station = Some(at);
     }
 
-    /// Whether arrivals are told.
+    /// Whether arrivals are reported.
     pub(crate) const fn is_told(&self) -> bool {
         self.arrived.is_some()
     }
 
-    /// The vehicle does not read what has arrived, or does again. What it reads then is as old as it is by no fault of whoever
-    /// sent it.
+    /// The vehicle stops reading what has arrived, or reads again. If it then reads something old, that is not the
+    /// sender's fault.
     pub(crate) fn deaf(&mut self, at: Moment, deaf: bool) {
         if deaf {
             self.deaf += 1;
@@ -61,13 +62,13 @@ impl Delivery {
         }
     }
 
-    /// From now on arrivals are told.
+    /// From now on arrivals are reported.
     pub(crate) fn tells_arrivals(&mut self) {
         self.arrived.get_or_insert_default();
     }
 
-    /// A line arrived at the vehicle, perhaps damaged: whatever could be read as one that steers counts. A server takes
-    /// sentences without a checksum, or with one that is not padded.
+    /// A sentence arrived at the vehicle, perhaps damaged. It counts if it can be read as one that steers: servers
+    /// accept sentences without a checksum, or with one that is not padded.
     pub(crate) fn arrived(
         &mut self,
         at: Moment,
@@ -92,6 +93,17 @@ impl Delivery {
         if name == *b"BPRMB"
             && let Some((_, sent)) = sent
             && self.deaf == 0
+        {
+            let since = self.hears_since.map_or(*sent, |since| since.max(*sent));
+            findings.near(
+                Margin::Delivery,
+                at.since(since).as_secs_f64(),
+                (Self::STALE + link_delay).as_secs_f64(),
+            );
+        }
+        if name == *b"BPRMB"
+            && let Some((_, sent)) = sent
+            && self.deaf == 0
             && at.since(self.hears_since.map_or(*sent, |since| since.max(*sent))) > Self::STALE + link_delay
         {
             findings.add(at, Rule::StaleDelivery, || {
@@ -105,12 +117,12 @@ impl Delivery {
         self.arrived.unwrap_or(self.sent).modify
     }
 
-    /// The last sentence that counts which keeps a suspension.
+    /// The last sentence that counts and refreshes a suspension.
     pub(crate) fn last_station(&self) -> Option<Moment> {
         self.arrived.unwrap_or(self.sent).station
     }
 
-    /// What may pass until what counts has an effect.
+    /// The time that may pass until the sentence that counts has an effect.
     pub(crate) fn delay(&self, link_delay: Duration) -> Duration {
         if self.arrived.is_some() {
             Duration::ZERO

@@ -3,17 +3,17 @@ use std::collections::VecDeque;
 use crate::moment::Moment;
 use crate::time_of_day::{Echo, TimeOfDay};
 
-/// Which dive the vehicle says that it flies (SPI 6.9, 6.11).
+/// The dive that the vehicle says it flies (SPI 6.9, 6.11).
 ///
-/// BFMIS and BFMBS may write one file in two ways, so that each is held against its own kind; where one names another, the
-/// other kind will too, in its own way. An empty name says nothing.
+/// BFMIS and BFMBS may write the name of one file in two ways, so each name is compared with those from the same
+/// message. If one message names another file, the other message will too, in its own way. An empty name says nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Dive {
     of_status: Option<Vec<u8>>,
     of_behavior: Option<Vec<u8>>,
-    /// When another one was named whose plan was not told since.
+    /// When the vehicle named another dive, if it has not reported the plan of that dive since.
     unplanned: Option<Moment>,
-    /// When we asked for the plan, with the times of BPRMP, oldest first.
+    /// Our requests for the plan: the time in the BPRMP, and when it left; oldest first.
     asked: VecDeque<(TimeOfDay, Moment)>,
 }
 
@@ -44,8 +44,8 @@ impl Dive {
         self.asked.push_back((created, at));
     }
 
-    /// A plan was told to its end, in answer to what we asked at a time. What was asked before the dive was named may be
-    /// of the one before it.
+    /// The vehicle reported a plan to its end, as the answer to one of our requests. If we asked before the vehicle
+    /// named the dive, the plan may be that of the dive before.
     pub(crate) fn planned(&mut self, echo: Echo) {
         let answered = |(created, _): &&(TimeOfDay, Moment)| echo.echoes(*created);
         let asked = self.asked.iter().rev().find(answered).map(|(_, at)| *at);
@@ -57,18 +57,18 @@ impl Dive {
         self.of_status.is_some() || self.of_behavior.is_some()
     }
 
-    /// When another dive was named whose plan was not told since.
+    /// When the vehicle named another dive, if it has not reported the plan of that dive since.
     pub(crate) const fn unplanned(&self) -> Option<Moment> {
         self.unplanned
     }
 
-    /// What was said of late is not known.
+    /// The record has a gap.
     pub(crate) fn forget(&mut self) {
         *self = Self::default();
     }
 }
 
-/// Whether a name is another than the one that is known, and takes its place.
+/// Whether a name differs from the known one, which it replaces. The first name differs from none.
 fn is_another(known: &mut Option<Vec<u8>>, name: &[u8]) -> bool {
     let name = name.trim_ascii();
     if name.is_empty() || known.as_deref() == Some(name) {

@@ -3,7 +3,7 @@ use crate::moment::Moment;
 use crate::rule::Rule;
 use crate::violation::Findings;
 
-/// What has ended a lease or station keeping, and until when its end must have been said.
+/// Why a lease or station keeping must end, and the time by which the sentence that ends it must have been sent.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Due {
     pub(crate) by: Moment,
@@ -12,8 +12,8 @@ pub(crate) struct Due {
 }
 
 impl Due {
-    /// The one that comes first.
-    #[expect(clippy::unnecessary_wraps, reason = "it takes the place of what it was given")]
+    /// The earlier one.
+    #[expect(clippy::unnecessary_wraps, reason = "callers assign the result to an `Option`")]
     pub(crate) fn first(due: Option<Self>, other: Self) -> Option<Self> {
         Some(due.filter(|due| due.by <= other.by).unwrap_or(other))
     }
@@ -22,9 +22,14 @@ impl Due {
         now > self.by
     }
 
+    /// How much time is left, seconds; negative if it is missed.
+    pub(crate) fn left_s(&self, now: Moment) -> f64 {
+        self.by.since(now).as_secs_f64() - now.since(self.by).as_secs_f64()
+    }
+
     pub(crate) fn tell(&self, now: Moment, end: &str, findings: &mut Findings) {
         findings.add(now, self.rule, || {
-            format!("no {end} by {} though {}", self.by, self.why)
+            format!("no {end} by {}, although {}", self.by, self.why)
         });
     }
 }

@@ -1,16 +1,16 @@
 //! The ellipsoid of WGS84, in three dimensions.
 //!
-//! A line between two places is the straight one through the earth, seen from above: its points lie under those of the
-//! ellipsoid's normal section, which no geodesic of a fence's size leaves by a centimetre. There is no projection, and so
-//! none that could be wrong in the same way as another one.
+//! A line between two places is the straight one through the earth, seen from above. Its points lie under the normal
+//! section of the ellipsoid, and over the size of a fence no geodesic leaves that section by a centimetre. The oracle
+//! uses no projection, so it cannot make the same error of projection as the runtime.
 
 /// Semi-major axis, metres, and first eccentricity squared (NIMA TR8350.2, tables 3.1 and 3.3).
 pub(crate) const SEMI_MAJOR_AXIS_M: f64 = 6_378_137.0;
 pub(crate) const E2: f64 = 6.694_379_990_14e-3;
-/// Mean radius, metres: for what is small already.
+/// Mean radius, metres, for terms that are small already.
 const MEAN_RADIUS_M: f64 = 6_371_000.0;
 
-/// A place on the earth, in degrees of WGS84. What is not a number is nowhere.
+/// A place on the earth, in degrees of WGS84. A position with a NaN lies nowhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Position {
     /// North, degrees.
@@ -37,7 +37,7 @@ impl Line {
         }
     }
 
-    /// On the surface, metres: the chord and by how much its arc is longer.
+    /// Its length on the surface, metres: that of the chord, plus the difference to its arc.
     pub(crate) fn length_m(&self) -> f64 {
         let [x, y, z] = self.along_m;
         let chord_m = (x * x + y * y + z * z).sqrt();
@@ -45,7 +45,7 @@ impl Line {
         chord_m * (1.0 + half * half / 6.0)
     }
 
-    /// A place of it, from 0 at its begin to 1 at its end.
+    /// A place on the line, from 0 at its begin to 1 at its end.
     pub(crate) fn at(&self, part: f64) -> Position {
         let [from, to] = self.ends;
         if part <= 0.0 {
@@ -58,7 +58,7 @@ impl Line {
     }
 }
 
-/// Degrees within ±180.
+/// Wraps an angle into -180 to 180 degrees.
 pub(crate) fn wrap_180(deg: f64) -> f64 {
     if (-180.0..180.0).contains(&deg) {
         return deg;
@@ -66,7 +66,7 @@ pub(crate) fn wrap_180(deg: f64) -> f64 {
     deg - 360.0 * ((deg + 180.0) / 360.0).floor()
 }
 
-/// From the earth's centre to a place, metres: towards the Greenwich meridian, towards 90 E, along the axis.
+/// The vector from the earth's centre to a place, metres: towards the Greenwich meridian, towards 90 E, along the axis.
 fn from_centre_m(position: Position) -> [f64; 3] {
     let (sin, cos) = libm::sincos(position.latitude_deg.to_radians());
     let (sin_east, cos_east) = libm::sincos(position.longitude_deg.to_radians());
@@ -78,8 +78,8 @@ fn from_centre_m(position: Position) -> [f64; 3] {
     ]
 }
 
-/// The place of the surface above or below a point: Bowring, "Transformation from spatial to geographical coordinates",
-/// Survey Review 181 (1976), which is exact to a micrometre this near to the surface.
+/// The place on the surface above or below a point: Bowring, "Transformation from spatial to geographical coordinates",
+/// Survey Review 181 (1976), which is exact to a micrometre so near to the surface.
 fn above([x, y, z]: [f64; 3]) -> Position {
     let flat = (1.0 - E2).sqrt();
     let across_m = (x * x + y * y).sqrt();
@@ -155,8 +155,9 @@ mod tests {
     }
 
     #[test]
-    fn lengths_are_those_that_are_published() {
-        // A degree of latitude and of longitude about 45 N, by the tables of the ellipsoid: 111,131.745 m and 78,846.835 m.
+    fn lengths_agree_with_published_ones() {
+        // A degree of latitude and of longitude at 45 N, by the tables of the ellipsoid: 111,131.745 m and 78,846.835
+        // m.
         let north_m = Line::between(position(44.5, 3.0), position(45.5, 3.0)).length_m();
         assert!((north_m - 111_131.745).abs() < 0.5, "{north_m}");
         let hundredth_m = Line::between(position(45.0, 3.0), position(45.0, 3.01)).length_m();
@@ -171,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_nowhere_has_no_length_and_no_panic() {
+    fn a_nan_position_has_no_length_and_does_not_panic() {
         let nowhere = position(f64::NAN, f64::INFINITY);
         let line = Line::between(nowhere, position(0.0, 0.0));
         assert!(line.length_m().is_nan() && line.at(0.5).latitude_deg.is_nan());
@@ -182,7 +183,8 @@ mod tests {
     }
 
     proptest! {
-        /// Over 25 km: lengths as those of geodesics, and every point of a line on the geodesic, to a centimetre.
+        /// Over 25 km, lengths agree with those of geodesics, and every point of a line lies on the geodesic, to a
+        /// centimetre.
         #[test]
         fn lines_are_geodesics_to_a_centimetre(
             latitude in -80.0..80.0f64, longitude in -180.0..180.0f64,
@@ -196,7 +198,7 @@ mod tests {
             prop_assert!((line.length_m() - length_m).abs() < 0.01, "{} {length_m}", line.length_m());
             let middle = line.at(part);
             let detour_m = geodesic_m(from, middle) + geodesic_m(middle, to) - length_m;
-            // What lies beside a line makes the way longer by its square.
+            // A point beside the line makes the way longer by the square of its distance.
             let (a, b) = (part * length_m, (1.0 - part) * length_m);
             let beside_m = (2.0 * detour_m.max(0.0) * a * b / (a + b)).sqrt();
             prop_assert!(beside_m < 0.02 || detour_m < 3e-9, "{beside_m} {detour_m}");

@@ -1,11 +1,11 @@
-/// Why a fence cannot be judged by.
+/// Why the oracle cannot use a fence or a limit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum OracleError {
     /// The text is not JSON.
-    #[error("the fence is not json: {0}")]
+    #[error("the fence is not JSON: {0}")]
     Json(String),
     /// The document is not a GeoJSON feature collection.
-    #[error("the fence: expected {expected}")]
+    #[error("fence: expected {expected}")]
     Document {
         /// What should be there.
         expected: &'static str,
@@ -15,7 +15,7 @@ pub enum OracleError {
     Feature {
         /// Which feature, from 0.
         index: usize,
-        /// Which part of it.
+        /// Which part of the feature.
         what: &'static str,
         /// What should be there.
         expected: &'static str,
@@ -23,11 +23,11 @@ pub enum OracleError {
     /// A limit is not a usable number.
     #[error("limit {what} is {value}: expected {expected}")]
     Limit {
-        /// Which one.
+        /// Which limit.
         what: &'static str,
-        /// What it is.
+        /// The limit's value.
         value: f64,
-        /// What it may be.
+        /// The values that it may have.
         expected: &'static str,
     },
 }

@@ -4,27 +4,27 @@ use std::time::Duration;
 use crate::moment::Moment;
 use crate::rule::Rule;
 
-/// For so long nothing steers by navigation after a flaw of it, less what is lost between two figures.
+/// How long nothing may steer after a flaw of navigation: 10 s, less the possible difference between two measurements.
 pub(crate) const STEADY: Duration = Duration::from_millis(9900);
 
-/// What has shown that navigation, or the clock that it goes by, cannot be steered by.
+/// Something that shows that nothing may steer by navigation or by the vehicle's clock.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flaw {
-    /// The runtime cannot have seen it before this, and so cannot count from earlier.
+    /// The runtime cannot have seen the flaw before this, and so cannot count from an earlier time.
     pub(crate) since: Moment,
-    /// When the words left that show it.
+    /// When the sentence that shows the flaw left the vehicle.
     pub(crate) told: Moment,
     pub(crate) what: What,
 }
 
-/// What is wrong, with its figures.
+/// What is wrong, with figures.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum What {
-    /// The place has left the truth by so much within a window.
+    /// The reported position moved away from the truth by so much within a window.
     Untrue { off_m: f64, span_s: f64 },
-    /// No velocities came with it for so long.
+    /// Navigation came without velocities for so long.
     NoVelocity { for_s: f64 },
-    /// The vehicle's clock was set by so much at least.
+    /// The vehicle's clock was set by at least so much.
     ClockSet { by_s: f64 },
 }
 
@@ -42,10 +42,13 @@ impl std::fmt::Display for What {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Untrue { off_m, span_s } => {
-                write!(f, "navigation left the truth by {off_m:.1} m within {span_s:.1} s")
+                write!(
+                    f,
+                    "navigation had moved {off_m:.1} m away from the truth within {span_s:.1} s"
+                )
             }
             Self::NoVelocity { for_s } => write!(f, "navigation had come without velocities for {for_s:.1} s"),
-            Self::ClockSet { by_s } => write!(f, "the vehicle's clock was set by {by_s:.1} s or more"),
+            Self::ClockSet { by_s } => write!(f, "the vehicle's clock had been set by at least {by_s:.1} s"),
         }
     }
 }
@@ -64,7 +67,8 @@ impl Flaws {
         self.0.push_back(flaw);
     }
 
-    /// What was told after this the runtime may never have read. Whether that was said of the vehicle's clock too.
+    /// Drops the flaws that were sent from this time on, which the runtime may never have read. Returns whether one of
+    /// them was of the vehicle's clock.
     pub(crate) fn unread_from(&mut self, told: Moment) -> bool {
         let of_clock = |flaw: &Flaw| flaw.told >= told && flaw.what.rule() == Rule::ClockSet;
         let clock = self.0.iter().any(of_clock);
@@ -76,7 +80,7 @@ impl Flaws {
         self.0.clear();
     }
 
-    /// For each rule the newest that was told before `heard` and after which nothing may steer yet.
+    /// For each rule, the newest flaw that was sent before `heard` and after which nothing may steer yet.
     pub(crate) fn standing(&mut self, now: Moment, heard: Moment) -> Vec<Flaw> {
         self.0.retain(|flaw| now.since(flaw.since) < STEADY);
         let mut standing: Vec<Flaw> = Vec::new();

@@ -5,15 +5,15 @@ use crate::error::OracleError;
 use crate::plane::Point;
 use crate::zone::{Kind, Zone};
 
-/// Far more than a fence has.
+/// Far more vertices than a fence has.
 const VERTICES_MAX: usize = 1_000_000;
-/// The plane of a point is of no use nearer to the poles.
+/// Nearer to the poles, the plane of a point is of no use.
 const LATITUDE_MAX_DEG: f64 = 85.0;
 
-/// A property with one of these in its name says when a zone holds.
+/// If the name of a property contains one of these words, the property limits when the zone is valid.
 const TIMES: [&str; 5] = ["valid", "from", "until", "window", "time"];
 
-/// Reads a feature collection of polygons (RFC 7946): the zones, and the reference of their longitudes.
+/// Reads a feature collection of polygons (RFC 7946). Returns the reference of their longitudes, and the zones.
 pub(crate) fn read(text: &str) -> Result<(f64, Vec<Zone>), OracleError> {
     let document: Value = serde_json::from_str(text).map_err(|error| OracleError::Json(error.to_string()))?;
     if document.get("type").and_then(Value::as_str) != Some("FeatureCollection") {
@@ -39,7 +39,7 @@ pub(crate) fn read(text: &str) -> Result<(f64, Vec<Zone>), OracleError> {
     }
     if !zones.iter().any(|zone| zone.kind == Kind::KeepIn) {
         return Err(OracleError::Document {
-            expected: "one keep-in zone at least",
+            expected: "at least one keep-in zone",
         });
     }
     Ok((reader.reference.unwrap_or(0.0), zones))
@@ -89,7 +89,7 @@ impl Reader {
             .any(|(key, value)| names_time(key) && !value.is_null());
         zone.surfacing = properties.get("surfacing").and_then(Value::as_bool) == Some(true);
         if zone.depth_min_m > zone.depth_max_m {
-            return self.fail("property depth_max_m", "no less than depth_min_m");
+            return self.fail("property depth_max_m", "at least depth_min_m");
         }
         Ok(zone)
     }
@@ -104,7 +104,7 @@ impl Reader {
         }
     }
 
-    /// The rings of all polygons. Inside and outside alternate over them, so that holes need no mark.
+    /// The rings of all polygons. Inside and outside alternate over all rings, so holes need no mark.
     fn rings(&mut self, feature: &Value) -> Result<Vec<Vec<Point>>, OracleError> {
         let geometry = feature.get("geometry");
         let coordinates = geometry
@@ -129,7 +129,7 @@ impl Reader {
             }
         }
         if rings.is_empty() {
-            return self.fail("coordinates", "one ring at least");
+            return self.fail("coordinates", "at least one ring");
         }
         Ok(rings)
     }
@@ -141,7 +141,10 @@ impl Reader {
             };
             self.vertices += positions.len();
             if positions.len() < 4 || self.vertices > VERTICES_MAX {
-                return self.fail("coordinates", "rings of 4 positions at least, a million in all at most");
+                return self.fail(
+                    "coordinates",
+                    "rings of at least 4 positions, and at most a million positions in all",
+                );
             }
             let mut points = Vec::with_capacity(positions.len());
             for position in positions {

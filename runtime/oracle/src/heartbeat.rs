@@ -6,40 +6,41 @@ use crate::moment::Moment;
 use crate::time_of_day::{Echo, TimeOfDay};
 use crate::wire::{Ours, Request};
 
-/// An answer in time speaks for the link for so long after its command left.
+/// For so long after a command left, its answer in time proves that the vehicle hears us.
 const SPEAKS_FOR: Duration = Duration::from_secs(3);
-/// What nothing takes back leaves only where the vehicle has answered within this ...
+/// A request that cannot be taken back leaves only if the vehicle has answered within this time ...
 const JUST_NOW: Duration = Duration::from_secs(1);
-/// ... what left within this.
+/// ... a command that left within this time.
 const JUST_LEFT: Duration = Duration::from_secs(2);
-/// What was not answered for so long will not be.
+/// A command that was not answered for so long gets no answer.
 const FORGOTTEN: Duration = Duration::from_secs(60);
-/// A BPLOG that was not answered for so long will not be.
+/// A BPLOG that was not answered for so long gets no answer.
 const LOG_FORGOTTEN: Duration = Duration::from_secs(30);
 
-/// The round trips of a connection: each first acknowledgement echoes its command's own time (SPI 6.21), and so measures
-/// how long the way there and back took.
+/// The round trips of a connection. The first acknowledgement of each command echoes the command's own time (SPI 6.21),
+/// so it measures how long the way there and back took.
 ///
-/// An answer counts from when it is let on its way: where several commands may be meant, it is the newest, so that no
-/// reading makes a trip shorter than it is taken for here. BPLOG has no time, and is answered in order; those that left
-/// before acknowledgements were asked for may go without an answer.
+/// An answer counts from the moment when it starts on its way. If an answer can belong to several commands, the oracle
+/// takes the newest, so that no other interpretation makes the trip shorter. BPLOG has no time, and the vehicle answers
+/// them in order; those that left before acknowledgements were requested may stay without an answer.
 #[derive(Clone, Debug)]
 pub(crate) struct Heartbeat {
     within: Duration,
     late: Duration,
-    /// Commands without an answer, oldest first: the last letters of their names, their own times, when they left.
+    /// Commands without an answer, oldest first: the last three letters of the name, the command's own time, and when
+    /// it left.
     sent: VecDeque<([u8; 3], TimeOfDay, Moment)>,
     /// When each BPLOG without an answer left, oldest first.
     logs: VecDeque<Moment>,
     subscribed: bool,
     early_log: Option<Moment>,
-    /// When the BPLOG left that was answered last, if the one before all others was not answered.
+    /// When the last answered BPLOG left, if the early BPLOG before all others was not answered.
     log_before: Option<Moment>,
-    /// When commands left that were answered in time, and when their answers came; of the last seconds.
+    /// When commands left that were answered in time, and when their answers came; those of the last seconds.
     trips: VecDeque<(Moment, Moment)>,
-    /// When commands left whose answers came while the runtime stood still.
+    /// When commands left whose answers came while the runtime was stopped.
     unread: Vec<Moment>,
-    /// What was said before this is not known.
+    /// The record has a gap until this time.
     unseen_until: Option<Moment>,
     /// The vehicle has answered a BPSTS of this process.
     status_is_answered: bool,
@@ -65,7 +66,7 @@ impl Heartbeat {
         }
     }
 
-    /// We said something.
+    /// We sent a sentence.
     pub(crate) fn we_say(&mut self, at: Moment, request: &Request) {
         if let Ours::Subscribe { acknowledgements } = request.asks {
             self.subscribed |= acknowledgements;
@@ -94,12 +95,12 @@ impl Heartbeat {
         }
     }
 
-    /// The vehicle answered something: when that left at the earliest, where that is certain. `stopped` where the runtime
-    /// stands still, and reads it when it goes on.
+    /// The vehicle answered a command. Returns the earliest time at which that command can have left, if it is certain.
+    /// `stopped` is true while the runtime is stopped; it reads the answer when it continues.
     pub(crate) fn answered(&mut self, at: Moment, command: [u8; 3], echo: Echo, stopped: bool) -> Option<Moment> {
         let mut earliest = None;
         let left = if command == *b"LOG" {
-            // If the vehicle answers the early one too, each answer is to the BPLOG before.
+            // If the vehicle answers the early BPLOG too, each answer belongs to the BPLOG before.
             let early = self.early_log;
             let known = self.logs.pop_front().or_else(|| self.early_log.take());
             if self.unseen_until.is_none()
@@ -108,13 +109,13 @@ impl Heartbeat {
                 let before = self.log_before.replace(left);
                 earliest = if early.is_some() { before.or(early) } else { known };
             }
-            // One that left unseen may be meant.
+            // The answer may belong to a BPLOG that left during a gap of the record.
             known.or(self.unseen_until.map(|_| at))
         } else {
             let meant = |(name, created, _): &([u8; 3], TimeOfDay, Moment)| *name == command && echo.echoes(*created);
             let index = self.sent.iter().rposition(meant);
             let left = index.and_then(|index| self.sent.remove(index)).map(|(_, _, left)| left);
-            // One that is not precise may mean several.
+            // An echo that is not precise can belong to several commands.
             earliest = left.filter(|_| echo.is_precise());
             left
         };
@@ -129,7 +130,7 @@ impl Heartbeat {
         earliest
     }
 
-    /// The runtime goes on, and reads what came meanwhile.
+    /// The runtime continues, and reads the answers that came meanwhile.
     pub(crate) fn goes_on(&mut self, at: Moment) {
         for left in core::mem::take(&mut self.unread) {
             self.trip(left, at);
@@ -146,19 +147,24 @@ impl Heartbeat {
         self.trips.push_back((left, came));
     }
 
-    /// The last answer in time: when its command left, and when it came.
+    /// The command that left last of those answered in time: when it left, and when its answer came.
     pub(crate) fn newest(&self) -> Option<(Moment, Moment)> {
         self.trips.iter().copied().max()
     }
 
+    /// How long an answered command counts, from when it left.
+    pub(crate) fn lasts(&self) -> Duration {
+        SPEAKS_FOR + self.late
+    }
+
     /// Whether a command that left under 3 s ago was answered in time.
     pub(crate) fn is_heard(&self, now: Moment) -> bool {
-        let recent = |left: Moment| now.since(left) < SPEAKS_FOR + self.late;
+        let recent = |left: Moment| now.since(left) < self.lasts();
         self.trips.iter().any(|(left, _)| recent(*left)) || self.unseen_until.is_some_and(recent)
     }
 
-    /// Whether a command that left at most 2 s ago was answered within the last second. `sure` is how long it takes at most
-    /// until an answer is read.
+    /// Whether a command that left at most 2 s ago was answered within the last second. `sure` is the longest time
+    /// until the runtime has certainly read an answer.
     pub(crate) fn has_just_answered(&self, now: Moment, sure: Duration) -> bool {
         let just = |(left, came): &(Moment, Moment)| {
             now.since(*left) <= JUST_LEFT + self.late && now.since(*came) <= JUST_NOW + sure
@@ -166,8 +172,8 @@ impl Heartbeat {
         self.trips.iter().any(just) || self.unseen_until.is_some_and(|until| just(&(until, until)))
     }
 
-    /// When a BPSTS left, after all that was answered, that waits for its answer though the vehicle answers them: who
-    /// knows no more than that does not know that what left before it was read.
+    /// When a BPSTS left that waits for its answer, if it left after every answered command and the vehicle answers
+    /// BPSTS at all. While it waits, the runtime does not know whether the vehicle has read what left before it.
     pub(crate) fn waits(&self) -> Option<Moment> {
         let (newest, _) = self.newest()?;
         let waits = |(name, _, left): &&([u8; 3], TimeOfDay, Moment)| name == b"STS" && *left > newest;
@@ -175,13 +181,13 @@ impl Heartbeat {
         waiting.filter(|_| self.status_is_answered)
     }
 
-    /// Another process knows nothing of the vehicle's habits.
+    /// A new process knows nothing of the vehicle's habits.
     pub(crate) fn new_process(&mut self) {
         self.cut();
         self.status_is_answered = false;
     }
 
-    /// The connection is over.
+    /// Forgets the connection, which is over.
     pub(crate) fn cut(&mut self) {
         self.sent.clear();
         self.logs.clear();
@@ -193,7 +199,7 @@ impl Heartbeat {
         self.unseen_until = None;
     }
 
-    /// What was said until now is not known: the vehicle may have answered a moment ago.
+    /// The record has a gap until now: the vehicle may have answered a moment ago.
     pub(crate) fn forget(&mut self, at: Moment) {
         self.cut();
         self.subscribed = true;

@@ -1,31 +1,33 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 use crate::time_of_day::{Echo, TimeOfDay};
 
 use crate::rule::Rule;
 use crate::violation::Findings;
 
-/// A plan that was not told to its end by then will not be.
+/// A plan that was not reported to its end within this time will not be.
 const PLAN_TOLD_WITHIN: Duration = Duration::from_secs(10);
 
-/// What we asked the vehicle to fly by itself, and what it said of it.
+/// The inserts that we asked the vehicle to fly, and what the vehicle reported about them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inserts {
     known: BTreeMap<u32, Insert>,
-    /// Our BPRCN, by their times: the acknowledgement may leave the identifier out.
+    /// Our BPRCN by their times, because the acknowledgement may lack the identifier.
     cancels: BTreeMap<TimeOfDay, u32>,
     open: Open,
-    /// When the plans were asked for that are not told to their ends, by their BPRMP, oldest first.
+    /// The requests for plans that have not been reported to their ends: the time in the BPRMP, and when it left;
+    /// oldest first.
     plans_asked: Vec<(TimeOfDay, Moment)>,
-    /// What the plan that is being told begins with: an element, and its place in it.
+    /// The first element of the plan that is being reported, and its place in the plan.
     plan_begins: Option<(PlanPlace, u32)>,
-    /// The first identifier that no previous run, unknown to us, can have given.
+    /// The first identifier that no previous run can have given without our knowledge.
     first: u32,
-    /// Inserts may have been sent that nobody has written down.
+    /// The record has had a gap, in which inserts may have been sent.
     unseen: bool,
-    /// Sent and not refused, GPS hits apart, which have a cap of their own.
+    /// How many were sent and not refused, without GPS hits, which have a cap of their own.
     counted: u64,
     sent: u64,
     refused: u64,
@@ -40,31 +42,31 @@ type PlanPlace = (Option<u32>, Option<u32>);
 /// One BPRTK, BPRTC or BPRGP.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Insert {
-    /// What sent it, as acknowledgements name it.
+    /// The command that sent it, as acknowledgements name it.
     pub(crate) command: [u8; 3],
     pub(crate) sent: Moment,
-    /// What our sentence said of when it was made.
+    /// When our sentence says that it was made.
     pub(crate) created: Option<TimeOfDay>,
     /// It interrupts the current behavior.
     pub(crate) interrupts: bool,
-    /// BPRCN can take it back.
+    /// BPRCN can cancel it.
     pub(crate) cancellable: bool,
     /// How long it takes to fly, seconds.
     pub(crate) duration_s: f64,
     pub(crate) state: State,
     /// BPRCN was sent for it.
     pub(crate) cancel_asked: bool,
-    /// The plan that is being told has it.
+    /// The plan that is being reported has it.
     pub(crate) listed: bool,
-    /// A previous run has sent it, and the vehicle has not named it to this one.
+    /// A previous process has sent it, and the vehicle has not named it to this one.
     pub(crate) foreign: bool,
-    /// A previous run has sent it: this one cannot know how long it flies.
+    /// A previous process has sent it, so this one does not know how long it flies.
     pub(crate) inherited: bool,
-    /// It was open while nobody has written down what became of it: it may have begun, and flown for any time.
+    /// It was open during a gap of the record: it may have begun, and flown for any time.
     pub(crate) unwatched: bool,
 }
 
-/// What the vehicle said of an insert.
+/// What the vehicle has reported about an insert.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum State {
     /// Nothing yet, on this connection.
@@ -73,20 +75,20 @@ pub(crate) enum State {
     Unknown,
     Accepted(Moment),
     Begun(Moment),
-    /// A whole plan, told later, did not have it, or the vehicle could not read it.
+    /// A complete plan that was reported later did not have it, or the vehicle could not read it.
     Absent,
     Closed,
 }
 
-/// What the vehicle tells as it does it, and what it truly does, are no further apart.
+/// The greatest difference between the time at which the vehicle does something and the time at which it reports it.
 const APART: Duration = Duration::from_millis(100);
 
-/// How many inserts stand where.
+/// How many inserts are in each state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Open {
-    /// Neither taken nor refused.
+    /// Neither accepted nor refused.
     pub(crate) asked: u32,
-    /// Taken and not begun.
+    /// Accepted and not begun.
     pub(crate) queued: u32,
     /// Begun and not ended.
     pub(crate) flown: u32,
@@ -133,9 +135,9 @@ impl Insert {
 }
 
 impl Inserts {
-    /// More are not followed: the memory is bounded, and the total cap was broken long before.
+    /// More inserts than this are not followed, to bound the memory. The total cap was broken long before.
     const KNOWN_MAX: usize = 65_536;
-    /// How many plans that were asked for are remembered.
+    /// How many requests for plans are remembered.
     const PLANS_MAX: usize = 64;
 
     pub(crate) const fn counts(&self) -> [u64; 5] {
@@ -171,7 +173,7 @@ impl Inserts {
             })
         {
             findings.add(at, Rule::InterruptOfInterrupt, || {
-                format!("insert {identifier} interrupts while the interrupting insert {running} is not done")
+                format!("insert {identifier} interrupts while the interrupting insert {running} is still open")
             });
         }
         if let Some((doubt, _)) = self
@@ -181,7 +183,7 @@ impl Inserts {
         {
             findings.add(at, Rule::InsertInDoubt, || {
                 format!(
-                    "insert {identifier} while it is not known what became of {doubt}, sent before the link was lost"
+                    "insert {identifier} was sent although the fate of insert {doubt}, sent before a link loss, is unknown"
                 )
             });
         }
@@ -201,7 +203,7 @@ impl Inserts {
         }
     }
 
-    /// Whether we have sent an insert with this identifier; nothing where it may have been sent unseen.
+    /// Whether we have sent an insert with this identifier; `None` if it may have been sent without a record.
     pub(crate) fn is_ours(&self, identifier: u32) -> Option<bool> {
         let unseen = self.unseen || identifier < self.first || self.known.len() >= Self::KNOWN_MAX;
         let known = self.known.contains_key(&identifier);
@@ -219,7 +221,7 @@ impl Inserts {
         }
     }
 
-    /// One that was taken before `by`, has not begun, can be taken back, and was not.
+    /// An insert that was accepted before `by`, has not begun, can be cancelled, and was not.
     pub(crate) fn not_taken_back(&self, by: Moment) -> Option<u32> {
         if self.open.queued == 0 {
             return None;
@@ -231,7 +233,7 @@ impl Inserts {
         })
     }
 
-    /// The vehicle took or refused an insert.
+    /// The vehicle accepted or refused an insert.
     pub(crate) fn answered(&mut self, at: Moment, identifier: Option<u32>, echo: Echo, taken: bool) {
         let entry = match identifier {
             Some(identifier) => self.known.get_mut(&identifier),
@@ -256,8 +258,8 @@ impl Inserts {
         }
     }
 
-    /// The vehicle could not read a command, and so does not say which: it may have been the oldest of that name that
-    /// has no answer, or of any name where that could not be read either.
+    /// The vehicle could not read a command, so it does not say which. It may be the oldest insert of that name without
+    /// an answer, or the oldest of any name if the name could not be read either.
     pub(crate) fn unreadable(&mut self, command: Option<[u8; 3]>) {
         let oldest = self
             .known
@@ -271,7 +273,7 @@ impl Inserts {
         }
     }
 
-    /// We asked for the plan. Where it is asked for again before it was told, it comes twice.
+    /// We asked for the plan. If we ask again before the plan was reported, it comes twice.
     pub(crate) fn plan_asked(&mut self, at: Moment, created: TimeOfDay) {
         self.plans_asked
             .retain(|(_, asked)| at.since(*asked) < PLAN_TOLD_WITHIN);
@@ -283,8 +285,8 @@ impl Inserts {
         }
     }
 
-    /// The vehicle tells an element of its plan. Where the first comes again, so does the plan, and what was told of it
-    /// before was not told to its end.
+    /// The vehicle reports an element of its plan. If the first element comes again, the plan starts again, and the
+    /// earlier report was not complete.
     pub(crate) fn element(&mut self, at: Moment, place: PlanPlace, index: u32) {
         if self.plan_begins == Some((place, index)) {
             self.unlist();
@@ -302,7 +304,7 @@ impl Inserts {
         }
     }
 
-    /// The vehicle's plan holds an insert: it was accepted, whatever became of the acknowledgement.
+    /// The vehicle's plan has an insert: the vehicle accepted it, even if the acknowledgement was lost.
     fn planned(&mut self, at: Moment, identifier: u32) {
         self.answered(at, Some(identifier), Echo::NONE, true);
         if let Some(insert) = self.known.get_mut(&identifier) {
@@ -310,7 +312,8 @@ impl Inserts {
         }
     }
 
-    /// A plan was told to its end, or will not be: what it does not hold does not wait.
+    /// A plan was reported to its end if `whole`, or will not be. An insert that a whole plan does not have is not
+    /// waiting.
     pub(crate) fn plan_told(&mut self, echo: Echo, whole: bool) {
         let Some(told) = self.plans_asked.iter().position(|(asked, _)| echo.echoes(*asked)) else {
             return;
@@ -344,7 +347,7 @@ impl Inserts {
         }
     }
 
-    /// The vehicle acknowledged a BPRCA: what waits and can be taken back is (SPI 7.9).
+    /// The vehicle acknowledged a BPRCA: all waiting inserts that can be cancelled are cancelled (SPI 7.9).
     pub(crate) fn all_cancelled(&mut self) {
         for insert in self.known.values_mut() {
             if matches!(insert.state, State::Accepted(_)) && insert.cancellable {
@@ -365,7 +368,8 @@ impl Inserts {
         }
     }
 
-    /// The vehicle truly flies an insert. That it was taken must have been said: else nobody could know.
+    /// The vehicle truly flies an insert. This counts only if the vehicle has reported that it accepted the insert,
+    /// because otherwise the runtime cannot know.
     pub(crate) fn is_flown(&mut self, at: Moment, identifier: u32) {
         if let Some(insert) = self.known.get_mut(&identifier)
             && matches!(insert.state, State::Accepted(_))
@@ -375,14 +379,15 @@ impl Inserts {
         }
     }
 
-    /// The vehicle is done with an insert.
+    /// The vehicle has ended an insert.
     pub(crate) fn ends(&mut self, identifier: u32) {
         if let Some(insert) = self.known.get_mut(&identifier) {
             self.open.goes(insert, State::Closed);
         }
     }
 
-    /// A behavior of the plan is flown: what had begun of ours is over, though its end may not have been told.
+    /// The vehicle flies a behavior of the plan: every insert of ours that had begun is over, although its end may not
+    /// have been reported.
     pub(crate) fn plan_goes_on(&mut self, at: Moment) {
         if self.open.flown == 0 {
             return;
@@ -394,15 +399,15 @@ impl Inserts {
         }
     }
 
-    /// The mission is over, and all inserts with it.
+    /// The mission is over, and with it all inserts.
     pub(crate) fn all_end(&mut self) {
         for insert in self.known.values_mut() {
             self.open.goes(insert, State::Closed);
         }
     }
 
-    /// The link was lost: what was not answered stays open. Where nobody tells what the vehicle truly does, what was taken
-    /// may be flown and over before it is heard of again.
+    /// The link was lost: inserts without an answer stay open. If the run does not have the truth, accepted inserts may
+    /// be flown and end before the vehicle names them again.
     pub(crate) fn cut(&mut self, truth_told: bool) {
         self.plans_asked.clear();
         if !truth_told && self.open.queued + self.open.flown > 0 {
@@ -423,7 +428,7 @@ impl Inserts {
         }
     }
 
-    /// What was said of late is not known: others may have been sent, and what is open may have been refused, taken or
+    /// The record has a gap: other inserts may have been sent, and the open ones may have been refused, accepted or
     /// flown.
     pub(crate) fn forget(&mut self) {
         self.unseen = true;
@@ -440,12 +445,12 @@ impl Inserts {
         }
     }
 
-    /// Identifiers below this one may be a previous run's.
+    /// Identifiers below this one may belong to a previous run.
     pub(crate) const fn begin_with(&mut self, first: u32) {
         self.first = first;
     }
 
-    /// A new process knows nothing of what another one sent.
+    /// A new process does not know what the previous one sent.
     pub(crate) fn new_process(&mut self) {
         self.plans_asked.clear();
         for insert in self.known.values_mut() {
@@ -454,7 +459,7 @@ impl Inserts {
         }
     }
 
-    /// Judges what is open, after the vehicle took one more.
+    /// Judges the open inserts, after the vehicle accepted one more.
     pub(crate) fn check_open(&self, at: Moment, open_max: u32, duration_max_s: f64, findings: &mut Findings) {
         findings.judge(Rule::InsertsOpen);
         findings.judge(Rule::InsertsDuration);
@@ -471,6 +476,8 @@ impl Inserts {
                 remaining_s += left_s;
             }
         }
+        #[expect(clippy::cast_precision_loss, reason = "a handful of inserts")]
+        findings.near(Margin::InsertsOpen, open as f64, f64::from(open_max));
         if open > u64::from(open_max) {
             findings.add(at, Rule::InsertsOpen, || {
                 format!("{open} inserts open, {open_max} allowed")
@@ -478,7 +485,7 @@ impl Inserts {
         }
         if remaining_s > duration_max_s + 1.0 {
             findings.add(at, Rule::InsertsDuration, || {
-                format!("open inserts fly {remaining_s:.0} s more, {duration_max_s} s allowed")
+                format!("open inserts take {remaining_s:.0} s more, {duration_max_s} s allowed")
             });
         }
     }

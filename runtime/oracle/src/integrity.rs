@@ -8,43 +8,45 @@ use crate::plane::{Plane, Point, Vector, length_m};
 use crate::time_of_day::TimeOfDay;
 use crate::wire::{Fix, Velocities};
 
-/// No window is longer, seconds.
+/// The longest window, seconds.
 const WINDOW_S: f64 = 9.5;
-/// Each so often, by the solutions' time, the newest sample is held against those before it, seconds.
+/// How often the newest sample is compared with those before it, seconds of the solutions' time.
 const JUDGED_EVERY_S: f64 = 0.5;
-/// The samples that disagree with a later one are those of so long a stretch, so that no single one is to blame, seconds.
+/// All samples of a stretch this long must disagree with the later one, so that no single sample is to blame, seconds.
 const STRETCH_S: f64 = 0.5;
-/// What the wire's decimals and two frames may add, metres.
+/// How much the decimals of the sentences and two frames can add, metres.
 const SLACK_M: f64 = 0.5;
-/// After a gap as long as this a window begins anew, seconds.
+/// After a longer gap a new window starts, seconds.
 const GAP_S: f64 = 2.9;
-/// Velocities that were said so long before or after a place are of another one, nanoseconds.
+/// Velocities whose timestamp differs by more from that of a position belong to another position, nanoseconds.
 const OF_ONE_TIME_NS: i64 = 500_000_000;
-/// GPS is heard no deeper than this, metres: there it may move the solution as it likes.
+/// The vehicle receives no GPS deeper than this, metres. Above it, GPS can move the solution by any distance.
 const SURFACE_M: f64 = 5.0;
-/// Solutions that are older than the newest are left out for so long: whoever goes by the newest hears nothing of them.
+/// Solutions older than the newest are ignored for so long, seconds: a runtime that uses the newest solution ignores
+/// them too.
 const OLD_FOR_S: f64 = 100.0;
-/// What two moments of hearing may make of a time between them, seconds.
+/// How much the times of hearing two sentences can change the time between them, seconds.
 const HEARD_S: f64 = 0.2;
 
-/// What navigation says, held against the truth over windows.
+/// Compares the reported navigation with the truth, over windows.
 ///
-/// Place and velocities may both be wrong: an error that they share no payload can see. So what is counted of a window is
-/// how much the error of the place has changed within it, less how much of that the told velocities have wrong too. More
-/// than the mission's step and its drift for each second of the window must show in place and velocities alone, whatever
-/// the truth is compared with: that only makes this find less.
+/// Position and velocities can both be wrong, and no payload can see an error that they share. So for each window this
+/// computes how much the error of the position has changed, less how much of that change the reported velocities have
+/// too. If the result is more than the mission's step plus its drift for each second of the window, position and
+/// velocities alone must show the contradiction, whatever they are compared with. The comparison with the truth can
+/// only find fewer errors.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Integrity {
     step_m: f64,
     drift_mps: f64,
     velocity_gap_s: f64,
     truth: Option<Position>,
-    /// Where the newest fix was told whose velocities have not come.
+    /// The newest fix whose velocities have not come, and when it came.
     incomplete: Option<(Moment, Fix)>,
-    /// Since when no fix had velocities.
+    /// The time since which no fix had velocities.
     without_since: Option<Moment>,
     last: Option<Sample>,
-    /// The newest solution, and when it was told.
+    /// The newest solution, and when it came.
     newest: Option<(TimeOfDay, Moment)>,
     frame: Option<(Position, Plane)>,
     was_by_gps: bool,
@@ -57,12 +59,12 @@ pub(crate) struct Integrity {
 struct Sample {
     told: Moment,
     solution: TimeOfDay,
-    /// By the solutions' time since the window began.
+    /// Seconds of the solutions' time since the window began.
     at_s: f64,
     place_m: Vector,
     truth_m: Vector,
     velocity_mps: Vector,
-    /// What the velocities add up to.
+    /// The integral of the velocities since the window began.
     way_m: Vector,
 }
 
@@ -76,7 +78,7 @@ impl Integrity {
         }
     }
 
-    /// What came before says nothing of what comes.
+    /// Forgets everything: earlier navigation cannot be compared with what comes next.
     pub(crate) fn cut(&mut self) {
         self.restart();
         self.incomplete = None;
@@ -95,7 +97,7 @@ impl Integrity {
         self.truth = Some(position);
     }
 
-    /// Whether there are windows.
+    /// Whether there is a window.
     pub(crate) fn has_window(&self) -> bool {
         !self.window.is_empty()
     }
@@ -105,7 +107,7 @@ impl Integrity {
         self.newest.is_some()
     }
 
-    /// The vehicle tells its place. A flaw where it has told it without velocities for too long.
+    /// The vehicle reports its position. Returns a flaw if it has reported positions without velocities for too long.
     pub(crate) fn fix(&mut self, at: Moment, fix: Fix) -> Option<Flaw> {
         if let Some((newest, told)) = self.newest
             && fix.solution.nanos_since(newest) <= 0
@@ -128,7 +130,7 @@ impl Integrity {
         })
     }
 
-    /// The vehicle tells its velocities. A flaw where they and its place cannot both be true.
+    /// The vehicle reports its velocities. Returns a flaw if they and its positions cannot both be true.
     pub(crate) fn velocities(&mut self, told: &Velocities) -> Option<Flaw> {
         let (at, fix) = self.incomplete?;
         if told.created.nanos_since(fix.created).abs() > OF_ONE_TIME_NS {
@@ -205,7 +207,7 @@ impl Integrity {
             };
             let off_m = moved(|sample| sample.place_m);
             let allowed_m = self.step_m + self.drift_mps * span_s + SLACK_M;
-            // Most never come to the second length.
+            // The second length is seldom needed.
             if off_m <= allowed_m || off_m <= allowed_m + moved(|sample| sample.way_m) {
                 stretch_ends_s = None;
                 continue;

@@ -2,19 +2,19 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// What a rule is judged by: where a run does not tell that, the rule is not judged.
+/// What a rule is judged by. If a record does not have it, the rule is not judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
     /// Our bytes alone, as they leave the runtime.
     Sent,
-    /// Our bytes, held against what the vehicle's bytes have told the runtime before.
+    /// Our bytes, compared with what the vehicle's bytes have told the runtime before.
     Heard,
-    /// Our bytes, held against what the operator has done.
+    /// Our bytes, compared with what the operator has done.
     Operator,
-    /// When our bytes arrive at the vehicle.
+    /// The times at which our bytes arrive at the vehicle.
     Arrived,
-    /// The vehicle's truth.
+    /// The vehicle's true state.
     Truth,
 }
 
@@ -30,19 +30,19 @@ impl fmt::Display for Side {
     }
 }
 
-/// How one rule fared in a run.
+/// How often one rule was judged and broken in a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Judged {
     /// The rule's short name.
     pub rule: &'static str,
-    /// The safety requirement behind it, where it has one.
+    /// The safety requirement behind the rule, if it has one.
     pub requirement: Option<u32>,
-    /// What it is judged by.
+    /// What the rule is judged by.
     pub side: Side,
     /// How often there was something to judge.
     pub judged: u64,
-    /// How often it was broken.
+    /// How often the rule was broken.
     pub broken: u64,
-    /// Why it was not judged; nothing where it was.
+    /// Why the rule was not judged; `None` if it was.
     pub unjudged: Option<&'static str>,
 }

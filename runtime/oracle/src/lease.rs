@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 use crate::time_of_day::{Echo, TimeOfDay};
 
@@ -7,27 +8,27 @@ use crate::due::Due;
 use crate::rule::Rule;
 use crate::violation::Findings;
 
-/// The longest between two BPRMB of a live lease.
+/// The longest time between two BPRMB of a live lease.
 const GAP_MAX: Duration = Duration::from_millis(2500);
 /// When the vehicle ends a modify by itself (SPI 7.12).
 const LAPSE: Duration = Duration::from_secs(5);
-/// The shortest between two BPRMB: 5 Hz, less 5 ms for jitter.
+/// The shortest time between two BPRMB: 5 Hz, less 5 ms for jitter.
 const GAP_MIN: Duration = Duration::from_millis(195);
 
-/// The cadence of our modifies: a lease lives from its first BPRMB to its BPEMB, or until the vehicle forgets it.
+/// The cadence of our modifies. A lease lives from its first BPRMB to its BPEMB, or until the vehicle forgets it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lease {
     last_modify: Option<Moment>,
     alive_since: Option<Moment>,
-    /// A BPRMB was sent and no BPEMB since.
+    /// A BPRMB was sent, and no BPEMB since.
     unended: bool,
     gap_told: bool,
     stale_told: bool,
     /// Something has ended it, and a BPEMB must come.
     due: Option<Due>,
-    /// What the first and the last BPRMB of the lease say of when they were made.
+    /// When the first and the last BPRMB of the lease say that they were made.
     created: Option<(TimeOfDay, TimeOfDay)>,
-    /// The first BPRMB that nothing of what came since has answered.
+    /// The first BPRMB since the last answer to any BPRMB.
     unanswered: Option<Moment>,
     unanswered_told: bool,
     opened: u64,
@@ -48,13 +49,13 @@ impl Lease {
         self.opened
     }
 
-    /// How long leases lived, until now.
+    /// How long leases have lived until now.
     pub(crate) fn alive_s(&self, now: Moment) -> f64 {
         let open = self.alive_since.map_or(Duration::ZERO, |since| now.since(since));
         (self.alive + open).as_secs_f64()
     }
 
-    /// Judges what silence does. `answer_max` is how long an answer may take.
+    /// Judges the effects of silence. `answer_max` is how long an answer may take.
     pub(crate) fn check(&mut self, now: Moment, answer_max: Duration, findings: &mut Findings) {
         if self.alive_since.is_none() {
             return;
@@ -71,7 +72,9 @@ impl Lease {
             && !core::mem::replace(&mut self.unanswered_told, true)
         {
             findings.add(now, Rule::ModifyUnanswered, || {
-                format!("the lease goes on though nothing has answered the BPRMB at {since}, nor any since")
+                format!(
+                    "the lease continues although the vehicle has not answered the BPRMB of {since} or any later one"
+                )
             });
         }
         let Some(last) = self.last_modify else { return };
@@ -84,13 +87,14 @@ impl Lease {
         }
         if idle > LAPSE {
             findings.add(now, Rule::ModifyAbandoned, || {
-                format!("the lease stopped at {last} without BPEMB while the link was up")
+                format!("the last BPRMB left at {last}, and no BPEMB followed although the link was up")
             });
             self.close(last + LAPSE);
         }
     }
 
-    /// We wrote a BPRMB. `counts` where the vehicle may take it; `late` is how late that may have been noted; `due` where it must end at once.
+    /// We wrote a BPRMB. `counts` is true if the vehicle may accept it; `late` is how late the runtime may have
+    /// recorded it; `due` says when it must end, if it must end at once.
     pub(crate) fn modify(
         &mut self,
         at: Moment,
@@ -100,8 +104,8 @@ impl Lease {
         due: Option<Due>,
         findings: &mut Findings,
     ) {
-        // Where the runtime's record may be late, the sentences themselves must say that they were made so shortly after
-        // each other too.
+        // If the runtime's record may be late, two BPRMB are too fast only if their own times are also too near to each
+        // other.
         let made_apart = self.created.filter(|_| !late.is_zero()).map(|(_, last)| {
             let apart_ns = created.nanos_since(last);
             Duration::from_nanos(u64::try_from(apart_ns).unwrap_or(0))
@@ -111,8 +115,11 @@ impl Lease {
             && made_apart.is_none_or(|apart| apart < GAP_MIN)
         {
             findings.add(at, Rule::ModifyTooFast, || {
-                format!("{} ms after the BPRMB at {last}", at.since(last).as_millis())
+                format!("a BPRMB {} ms after the one at {last}", at.since(last).as_millis())
             });
+        }
+        if let Some(last) = self.last_modify.filter(|_| self.alive_since.is_some()) {
+            findings.near(Margin::ModifyGap, at.since(last).as_secs_f64(), GAP_MAX.as_secs_f64());
         }
         self.last_modify = Some(at);
         self.unended = true;
@@ -131,12 +138,12 @@ impl Lease {
         self.created = Some((first, created));
     }
 
-    /// The vehicle answered a BPRMB, whatever it said.
+    /// The vehicle answered a BPRMB, with any result.
     pub(crate) fn answered(&mut self) {
         self.unanswered = None;
     }
 
-    /// Whether a BPRMB that was made then is one of the live lease's.
+    /// Whether the BPRMB of this time belongs to the live lease.
     pub(crate) fn has(&self, echo: Echo) -> bool {
         self.alive_since.is_some()
             && self.created.is_some_and(|(first, last)| {
@@ -146,7 +153,10 @@ impl Lease {
     }
 
     /// We wrote a BPEMB.
-    pub(crate) fn end(&mut self, at: Moment) {
+    pub(crate) fn end(&mut self, at: Moment, findings: &mut Findings) {
+        if let Some(due) = self.due.filter(|_| self.alive_since.is_some()) {
+            findings.near(Margin::ModifyEnd, due.left_s(at), 0.0);
+        }
         self.unended = false;
         self.close(at);
     }
@@ -158,12 +168,12 @@ impl Lease {
         }
     }
 
-    /// The link was lost: nothing more can be said, the vehicle ends the modify by itself.
+    /// The link was lost: nothing more can be sent, and the vehicle ends the modify by itself.
     pub(crate) fn cut(&mut self, at: Moment) {
         self.close(at);
     }
 
-    /// What was said of late is not known: there may be a lease to end.
+    /// The record has a gap: there may be a lease to end.
     pub(crate) fn forget(&mut self, at: Moment) {
         self.close(at);
         self.last_modify = None;
@@ -172,7 +182,7 @@ impl Lease {
         self.unanswered = None;
     }
 
-    /// Whether this is the first time that stale navigation is told of this lease.
+    /// Whether stale navigation is reported for the first time for this lease.
     pub(crate) const fn tell_stale(&mut self) -> bool {
         !core::mem::replace(&mut self.stale_told, true)
     }

@@ -3,60 +3,62 @@ use std::time::Duration;
 use crate::earth::Position;
 use crate::error::OracleError;
 
-/// What the mission allows and how the simulated link behaves.
+/// What the mission allows, and how the link behaves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
-    /// What hands control to the backseat.
+    /// The message that gives control to the backseat.
     pub control: ControlHook,
-    /// The least speed that may be asked for, m/s.
+    /// The least speed that may be requested, m/s.
     pub speed_min_mps: f64,
-    /// The greatest speed that may be asked for, m/s.
+    /// The greatest speed that may be requested, m/s.
     pub speed_max_mps: f64,
-    /// How far the vehicle strays from a planned leg and still flies it, metres.
+    /// The greatest distance between the vehicle and a planned leg while it still flies that leg, metres.
     pub tracking_error_m: f64,
     /// Navigation older than this is stale, seconds.
     pub navigation_age_max_s: f64,
     /// How many inserts may be open at once.
     pub inserts_open_max: u32,
-    /// How many inserts may be sent in the whole run; those that the vehicle refused do not count.
+    /// How many inserts may be sent in the whole run. Those that the vehicle refused do not count.
     pub inserts_total_max: u32,
-    /// How long the open inserts together may still fly, seconds.
+    /// How long the open inserts together may still take, seconds.
     pub inserts_duration_max_s: f64,
-    /// How much else may be asked for.
+    /// How many other requests are allowed.
     pub caps: Caps,
-    /// Whether the mission says how deep the water is at most: without it a height above the seabed may be asked for under
-    /// bottom lock alone.
+    /// Whether the mission says how deep the water is at most. If it does not, an altitude may be requested only with
+    /// bottom lock.
     pub water_depth_known: bool,
-    /// Where a hovering vehicle may be moved to relative to a hull: horizontal, vertical, distance, from and to, metres.
+    /// Where a hovering vehicle may be sent relative to a hull: horizontal, vertical, distance, each from and to,
+    /// metres.
     pub hull_box: Option<[[f64; 2]; 3]>,
-    /// Where a hovering vehicle may be moved to over the bottom: x, y, depth, from and to, metres.
+    /// Where a hovering vehicle may be sent relative to the bottom: x, y, depth, each from and to, metres.
     pub bottom_box: Option<[[f64; 2]; 3]>,
-    /// The longest delay of the undisturbed link, seconds, one way: from when the vehicle's bytes are let on their way to
-    /// us until we have them. What its faults hold back is told when it is let go.
+    /// The longest one-way delay of the undisturbed link, seconds: from when the vehicle's bytes start on their way to
+    /// us until we have them. Bytes that a fault holds back start when it releases them.
     pub link_delay_s: f64,
-    /// The longest round trip, from a command to its acknowledgement, that shows that the vehicle hears us, seconds.
+    /// The longest round trip from a command to its acknowledgement that still proves that the vehicle hears us,
+    /// seconds.
     pub answered_within_s: f64,
-    /// How far the place that navigation tells may step beside its velocities, metres.
+    /// How far the reported position may step away from its velocities, metres.
     pub position_step_m: f64,
-    /// How far the place and the velocities added up may drift apart in a second, m/s.
+    /// How far the position and the integrated velocities may drift apart in a second, m/s.
     pub position_drift_mps: f64,
     /// How long navigation may come without velocities, seconds.
     pub velocity_gap_s: f64,
-    /// How late the runtime's own clock may catch what it does, seconds: nothing in simulation, and what a busy computer may
-    /// cost where a run is judged by what the runtime has recorded.
+    /// How late the runtime may record what it does, seconds: zero in simulation, and what a busy computer may cost if
+    /// a run is judged by the runtime's own log.
     pub runtime_late_s: f64,
-    /// The run tells the vehicle's truth. Where it does not, what became of inserts over a lost link is not known.
+    /// The run has the vehicle's true state. Without it, the oracle does not know what became of inserts while the link
+    /// was lost.
     pub truth_told: bool,
-    /// Whether the operator's policy may send what no plugin can: aborts, kills, cancels without identifier, and
-    /// what moves the vehicle's idea of where it is.
+    /// Whether the operator's policies may send what no plugin can: aborts, kills, cancels without an identifier, and
+    /// sentences that move the vehicle's estimate of its position.
     pub operator_commands: bool,
 }
 
 impl Default for Limits {
-    /// Speeds from 0.5 to 2.5 m/s, 5 m of tracking error, 1 s of navigation age, a step of 10 m and a drift
-    /// of 0.3 m/s of it, 1.5 s without velocities; 4 inserts open, 100 in all, 3600 s of
-    /// them; a link that delays nothing; no operator commands; a
-    /// known depth of the water and no boxes.
+    /// Speeds from 0.5 to 2.5 m/s, 5 m of tracking error, 1 s of navigation age, a position step of 10 m and a drift of
+    /// 0.3 m/s, 1.5 s without velocities; 4 inserts open, 100 in all, 3600 s of them; a link without delay; no operator
+    /// commands; a known depth of the water and no boxes.
     fn default() -> Self {
         Self {
             control: ControlHook::BackseatControl,
@@ -111,7 +113,7 @@ impl Limits {
         Ok(())
     }
 
-    /// The longest from when the vehicle's bytes are let on their way until the runtime has acted on them.
+    /// The longest time from when the vehicle's bytes start on their way until the runtime has acted on them.
     pub(crate) fn link_delay(&self) -> Duration {
         seconds(self.link_delay_s) + self.runtime_late()
     }
@@ -122,16 +124,16 @@ impl Limits {
     }
 }
 
-/// How often a process of the runtime may ask for what is no insert of a line or circle.
+/// How many requests other than tracklines and trackcircles one process of the runtime may send.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Caps {
     /// GPS hits that the vehicle did not refuse, in all.
     pub gps_hits_total_max: u32,
-    /// Trim and buoyancy adjustments that the vehicle took, in all.
+    /// Trim and buoyancy adjustments that the vehicle accepted, in all.
     pub adjustments_total_max: u32,
-    /// Entries into silent mode that the vehicle took, in all.
+    /// Entries into silent mode that the vehicle accepted, in all.
     pub silences_total_max: u32,
-    /// How long silent mode stands unless it is ended, seconds.
+    /// How long silent mode lasts unless it is ended, seconds.
     pub silent_term_s: f64,
     /// Messages to the topside, each minute on the average.
     pub topside_per_min: u32,
@@ -160,38 +162,38 @@ impl Default for Caps {
     }
 }
 
-/// A duration of a checked limit.
+/// The duration of a checked limit.
 pub(crate) fn seconds(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
 }
 
-/// What hands control to the backseat (SPI 6.24).
+/// What gives control to the backseat (SPI 6.24).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum ControlHook {
     /// BFCTL 1.
     #[default]
     BackseatControl,
-    /// The mission's running.
+    /// The mission runs.
     MissionRunning,
     /// A mission command (SPI 5.1) with the operator's text.
     MissionCommand {
-        /// The text that hands control over.
+        /// The text that gives control.
         grant: String,
         /// The text that takes it back.
         revoke: String,
     },
 }
 
-/// What the mock vehicle truly does, which no sentence can hide.
+/// The true state of the mock vehicle, which no sentence can hide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
-    /// When, nanoseconds since the start of the run.
+    /// The time, nanoseconds since the start of the run.
     pub at_ns: u64,
-    /// Where it is.
+    /// The position.
     pub position: Position,
-    /// How deep, metres below the surface.
+    /// The depth, metres below the surface.
     pub depth_m: f64,
-    /// How high above the seabed, metres; zero or less is aground.
+    /// The altitude, metres above the seabed; zero or less is aground.
     pub altitude_m: f64,
     /// What it flies.
     pub activity: Activity,
@@ -206,7 +208,7 @@ pub enum Activity {
     Insert(u32),
     /// Any behavior under our modify.
     Modified,
-    /// A hovering vehicle's mission is suspended: it goes where we send it.
+    /// A hovering vehicle's mission is suspended, and the vehicle goes where we send it.
     Suspended,
     /// No mission runs, or it is being aborted or wrapped up.
     Other,

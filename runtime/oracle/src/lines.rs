@@ -2,27 +2,27 @@ use memchr::memchr;
 
 use crate::wire::LINE_MAX;
 
-/// Cuts a stream of writes into lines. Whole lines of one write are not copied.
+/// Cuts a stream of writes into lines. A line that is whole in one write is not copied.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lines {
     partial: Vec<u8>,
     /// The current line is too long and was reported; its rest is dropped.
     dropping: bool,
-    /// What comes next is the end of a line, unless it begins as a sentence does.
+    /// The next bytes are the end of a line, unless they begin as a sentence does.
     resumes: bool,
 }
 
-/// What was cut off.
+/// A piece of the stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Piece<'a> {
     /// A line, without its line feed.
     Line(&'a [u8]),
-    /// A line that is longer than any sentence; once for each.
+    /// A line that is longer than any sentence. It is reported once.
     TooLong,
 }
 
 impl Lines {
-    /// Adds a write and gives out each line that it completes.
+    /// Adds a write and passes on each line that it completes.
     pub(crate) fn push(&mut self, mut bytes: &[u8], mut take: impl FnMut(Piece<'_>)) {
         if let (true, Some(first)) = (self.resumes, bytes.first()) {
             self.resumes = false;
@@ -61,14 +61,14 @@ impl Lines {
         !self.partial.is_empty()
     }
 
-    /// Forgets what has begun, for a new connection.
+    /// Forgets the line that has begun, for a new connection.
     pub(crate) fn clear(&mut self) {
         self.partial.clear();
         self.dropping = false;
         self.resumes = false;
     }
 
-    /// What came last is not known: the next bytes may be the end of a line.
+    /// The record has a gap: the next bytes may be the end of a line.
     pub(crate) fn resume(&mut self) {
         self.clear();
         self.resumes = true;
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_end_takes_no_memory_and_is_told_once() {
+    fn an_endless_line_takes_no_memory_and_is_reported_once() {
         let long = [b'x'; 3 * LINE_MAX];
         assert_eq!(lines(&[&long, &long, b"\n$A\n"]), [None, Some(b"$A".to_vec())]);
         assert_eq!(

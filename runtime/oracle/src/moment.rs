@@ -18,13 +18,13 @@ impl Moment {
         self.0
     }
 
-    /// How long after an earlier moment this is; zero where that one is not earlier.
+    /// The time since an earlier moment; zero if that moment is not earlier.
     pub(crate) const fn since(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.saturating_sub(earlier.0))
     }
 }
 
-/// So much later, at most the last moment that can be counted.
+/// A later moment, at most the last one that can be counted.
 impl Add<Duration> for Moment {
     type Output = Self;
 
@@ -33,7 +33,7 @@ impl Add<Duration> for Moment {
     }
 }
 
-/// So much earlier, at the earliest the start of the run.
+/// An earlier moment, at the earliest the start of the run.
 impl Sub<Duration> for Moment {
     type Output = Self;
 

@@ -7,74 +7,75 @@ use crate::time_of_day::TimeOfDay;
 use crate::plane::{Plane, Point, length_m};
 use crate::wire::Fix;
 
-/// How far the vehicle may go in a second at most, metres: twice what the fastest of them do, in a strong current.
+/// The greatest speed of a vehicle, m/s: twice that of the fastest, in a strong current.
 const SPEED_MAX_MPS: f64 = 5.0;
-/// A step that is longer than the way at that speed by this is a jump on any reading, metres.
+/// A step that exceeds the way at that speed by more than this is a jump under any interpretation, metres.
 const JUMP_M: f64 = 50.0;
-/// A degree has the same length this far to the north or south, to a thousandth.
+/// Within this distance to the north or south, a degree has the same length to a thousandth.
 const PLANE_DEG: f64 = 0.02;
 
-/// How old the vehicle's newest navigation is, by the time of its solution, and where it says that the vehicle is.
-/// Arrival alone makes nothing fresh.
+/// The age of the vehicle's newest navigation, by the time of its solution, and the position that it reports. A new
+/// arrival alone does not make navigation fresh.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Navigation {
     newest: Option<Newest>,
-    /// What was said on this connection: the newest, one that is on its way to be heard for sure, one that has been.
+    /// The fixes of this connection: the newest, one that the runtime may not have heard yet, and one that it certainly
+    /// has heard.
     told: Option<Told>,
     on_its_way: Option<Told>,
-    /// When bottom lock was last told on this connection.
+    /// When bottom lock was last reported on this connection.
     locked: Option<Moment>,
     /// When the solutions' time last went back on this connection.
     went_back: Option<Moment>,
-    /// What was said before this is not known.
+    /// The record has a gap until this time.
     unseen_until: Option<Moment>,
     heard: Option<Told>,
-    /// The last that was heard on any connection, and the plane at a latitude that was near, degrees.
+    /// The last fix on any connection, and the plane at a latitude near it, degrees.
     last: Option<(Told, (Plane, f64))>,
     jump: Option<Jump>,
-    /// All this before the solutions' time went back with the newest, which may be a damaged one.
+    /// The state before the newest fix, if the solutions' time went back with that fix, which may be damaged.
     before: Option<Box<Self>>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Newest {
     solution: TimeOfDay,
-    /// The same, going on over midnight, nanoseconds.
+    /// The same, counted on over midnight, nanoseconds.
     solution_ns: i64,
-    /// The smallest difference seen between the run's time at the write and the solution's, nanoseconds.
+    /// The smallest difference yet between the run's time of a fix and the time of its solution, nanoseconds.
     offset_ns: i64,
 }
 
-/// A fix, and when it was said.
+/// A fix, and when it came.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Told {
     pub(crate) at: Moment,
     pub(crate) fix: Fix,
 }
 
-/// A step that no vehicle can have made.
+/// A step of the reported position that no vehicle can make.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Jump {
     pub(crate) at: Moment,
     pub(crate) step_m: f64,
-    /// How much solution time has passed since.
+    /// How much of the solutions' time has passed since.
     steady: Duration,
 }
 
 impl Jump {
-    /// How long navigation has been steady since, by the clock that says more.
+    /// How long navigation has been steady since, by the clock that shows more.
     pub(crate) fn steady(&self, now: Moment) -> Duration {
         self.steady.max(now.since(self.at))
     }
 }
 
 impl Navigation {
-    /// A solution that goes back further than this is another clock, nanoseconds.
+    /// A solution that is older than the newest by more than this comes from another clock, nanoseconds.
     const RESTART_NS: i64 = -50_000_000;
-    /// By so much more than the run's time the solutions' may go on, nanoseconds.
+    /// The solutions' time may advance by so much more than the run's time, nanoseconds.
     const AHEAD_NS: i64 = 1_000_000_000;
 
-    /// Forgets what holds for one connection only.
+    /// Forgets what belongs to one connection only.
     pub(crate) fn cut(&mut self) {
         self.newest = None;
         self.told = None;
@@ -86,12 +87,12 @@ impl Navigation {
         self.before = None;
     }
 
-    /// Forgets all: a new process has heard nothing.
+    /// Forgets everything: a new process has heard nothing.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// What was said until now is not known: the newest solution may be of this moment, and so may a bottom lock.
+    /// The record has a gap until now. The newest solution may be of this moment, and so may a bottom lock.
     pub(crate) fn forget(&mut self, at: Moment) {
         *self = Self {
             unseen_until: Some(at),
@@ -100,7 +101,8 @@ impl Navigation {
         };
     }
 
-    /// The vehicle wrote a BFNVG. Whether its solution time advanced. `sure` is how long it takes at most to be heard.
+    /// The vehicle sent a BFNVG. Returns whether its solution time advanced. `sure` is the longest time until the
+    /// runtime has certainly heard it.
     pub(crate) fn heard(&mut self, at: Moment, fix: Fix, sure: Duration) -> bool {
         self.pass_over_stray(at, fix.solution);
         let before = self.goes_back_to(fix.solution).then(|| Box::new(self.clone()));
@@ -121,13 +123,14 @@ impl Navigation {
         true
     }
 
-    /// Whether a solution's time is another clock's.
+    /// Whether a solution's time comes from another clock.
     fn goes_back_to(&self, solution: TimeOfDay) -> bool {
         self.newest
             .is_some_and(|newest| solution.nanos_since(newest.solution) < Self::RESTART_NS)
     }
 
-    /// Where the last was the only one whose time had gone back, whoever takes what is old for nothing has not heard it.
+    /// If only the last fix had gone back in time, restores the state before it: a runtime that ignores old solutions
+    /// has not used that fix.
     fn pass_over_stray(&mut self, at: Moment, solution: TimeOfDay) {
         let Some(before) = self.before.take() else { return };
         let Some((told, newest)) = before.told.zip(before.newest) else {
@@ -166,7 +169,7 @@ impl Navigation {
         true
     }
 
-    /// Looks for a jump since what was heard before, on whatever connection.
+    /// Looks for a jump since the last fix, on whatever connection that came.
     fn step(&mut self, told: Told) {
         let plane_at = |fix: &Fix| {
             let y = fix.position.latitude_deg;
@@ -198,7 +201,7 @@ impl Navigation {
         }
     }
 
-    /// How old the newest solution is; `None` where there was none on this connection.
+    /// The age of the newest solution; `None` if there was none on this connection.
     pub(crate) fn age(&self, now: Moment) -> Option<Duration> {
         let Some(newest) = self.newest else {
             return self.unseen_until.map(|until| now.since(until));
@@ -208,24 +211,24 @@ impl Navigation {
         Some(Duration::from_nanos(u64::try_from(age_ns).unwrap_or(0)))
     }
 
-    /// The newest that the runtime has heard for sure.
+    /// The newest fix that the runtime has certainly heard.
     pub(crate) fn heard_for_sure(&self, now: Moment, sure: Duration) -> Option<Told> {
         let heard = |told: &Told| told.at + sure <= now;
         self.told.filter(heard).or(self.on_its_way.filter(heard)).or(self.heard)
     }
 
-    /// The newest that was told on this connection.
+    /// The newest fix of this connection.
     pub(crate) const fn newest(&self) -> Option<Told> {
         self.told
     }
 
-    /// When bottom lock was last told on this connection.
+    /// When bottom lock was last reported on this connection.
     pub(crate) const fn locked(&self) -> Option<Moment> {
         self.locked
     }
 
-    /// When the solutions' time last went back: whoever takes what comes then for old hears of no jump in it, and has no
-    /// navigation before long.
+    /// When the solutions' time last went back. A runtime that takes later solutions for old sees no jump in them, and
+    /// soon has no navigation.
     pub(crate) const fn went_back(&self) -> Option<Moment> {
         self.went_back
     }
@@ -260,7 +263,7 @@ mod tests {
         assert_eq!(age(&navigation, 1150), 50);
         assert!(!navigation.advances(ms(3000), tod(50)));
         assert_eq!(age(&navigation, 3000), 1900);
-        // Written 2 s after it was solved.
+        // Written 2 s after the solution was computed.
         assert!(navigation.advances(ms(4000), tod(950)));
         assert_eq!(age(&navigation, 4000), 2000);
         // Another clock.

@@ -6,23 +6,24 @@ use crate::due::Due;
 use crate::process::Process;
 use crate::rule::Rule;
 
-/// How soon the operator's hold acts.
+/// How soon the operator's hold must take effect.
 const WITHIN: Duration = Duration::from_millis(100);
-/// How soon what waits is taken back.
+/// How soon the waiting inserts must be cancelled.
 const CANCELS_WITHIN: Duration = Duration::from_secs(1);
-/// An acceptance that came so shortly before the hold may be heard after it.
+/// An acceptance that came within this time before the hold may be heard after it.
 const CANCELS_RACE: Duration = Duration::from_millis(100);
 
 /// The operator's hold.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Operator {
     held: Option<Moment>,
-    /// When the cancels of what waited at a time must have been sent.
+    /// When the cancels must have been sent, and the time before which the vehicle had accepted the inserts that they
+    /// cancel.
     cancels: Option<(Moment, Moment)>,
 }
 
 impl Operator {
-    /// The operator holds. Whether that is new. `hears` where a cancel can be sent.
+    /// The operator begins a hold. Returns whether that is new. `hears` is true if a cancel can be sent.
     pub(crate) fn holds(&mut self, at: Moment, hears: bool) -> bool {
         if self.held.is_some() {
             return false;
@@ -44,16 +45,16 @@ impl Operator {
         self.cancels = None;
     }
 
-    /// When everything dynamic must have ended.
+    /// When every dynamic request must have ended.
     pub(crate) fn due(&self, process: &Process) -> Option<Due> {
         self.held.map(|held| Due {
             by: process.heard(held) + WITHIN,
             rule: Rule::OperatorHold,
-            why: "the operator holds",
+            why: "the operator's hold was on",
         })
     }
 
-    /// Once, when all cancels must have been sent: of what was taken before the time that is given.
+    /// Returns once, when all cancels must have been sent, the time before which their inserts had been accepted.
     pub(crate) fn cancels_due(&mut self, now: Moment) -> Option<Moment> {
         self.cancels.take_if(|(due, _)| now > *due).map(|(_, by)| by)
     }

@@ -37,15 +37,17 @@ use crate::statistics::Statistics;
 use crate::violation::{Findings, Violation};
 use crate::wire::sentences;
 
-/// How long after the last moment at which the vehicle's words could arrive a write is no race any more.
+/// A write later than this after the last moment at which the vehicle's sentence can have arrived is not a race any
+/// more.
 const RACE: Duration = Duration::from_millis(50);
-/// How long a modify may go unanswered, how soon it then ends, and some more for a busy vehicle.
+/// How long a modify may stay unanswered, plus the time in which the lease must then end, plus some time for a busy
+/// vehicle.
 const ANSWER_MAX: Duration = Duration::from_millis(1500);
-/// How long navigation is steady after a jump before anything steers by it, less what two clocks may differ by.
+/// How long navigation must be steady after a jump before anything steers, less the possible difference of two clocks.
 const STEADY: Duration = Duration::from_millis(9700);
-/// Navigation that was told so recently says where the vehicle is.
+/// Navigation that is no older than this says where the vehicle is.
 const RECENT: Duration = Duration::from_millis(500);
-/// How soon a lease ends after control is lost.
+/// How soon a lease must end after control is lost.
 const END_WITHIN: Duration = Duration::from_millis(100);
 
 /// The judge of one run. Its inputs come in the order of their times, which are nanoseconds since the start of the run.
@@ -70,7 +72,7 @@ pub struct Oracle {
     station: Station,
     delivery: Delivery,
     consequence: Consequence,
-    /// When we told the vehicle last where it is (SPI 8.8, 8.9).
+    /// When we last told the vehicle where it is (SPI 8.8, 8.9).
     frame_moved: Option<Moment>,
     inserts: Inserts,
     /// The insert that the vehicle truly flies.
@@ -79,9 +81,10 @@ pub struct Oracle {
     operator: Operator,
     stamps: Stamps,
     plan: Plan,
-    /// The vehicle has told this process something of its plan.
+    /// The vehicle has reported some part of its plan to this process.
     plan_heard: bool,
-    /// A behavior was told to begin on this connection, or nobody has written down whether one was.
+    /// The vehicle has reported the begin of a behavior on this connection, or a gap in the record may hide such a
+    /// report.
     begin_heard: bool,
     trigger: Trigger,
     acoustic: Acoustic,
@@ -94,19 +97,19 @@ pub struct Oracle {
     findings: Findings,
     counts: Statistics,
     now: Moment,
-    /// There was a gap since the link last went up or down.
+    /// There was a gap in the record since the link last went up or down.
     blind: bool,
 }
 
 impl Oracle {
-    /// A judge by a fence and limits.
+    /// Makes a judge with a fence and limits.
     ///
     /// The fence is a GeoJSON feature collection (RFC 7946) of polygons with the properties `name`, `kind` (`keep-in`
     /// or `keep-out`), `margin_m`, `depth_min_m`, `depth_max_m` and `altitude_min_m`. Edges are straight in longitude
-    /// and latitude. A keep-out zone without depths holds at all of them.
+    /// and latitude. A keep-out zone without depths holds at all depths.
     ///
     /// # Errors
-    /// [`OracleError`] names the feature, or the limit, and what was expected of it.
+    /// [`OracleError`] names the feature or the limit, and what was expected of it.
     pub fn new(fence_geojson: &str, limits: Limits) -> Result<Self, OracleError> {
         limits.check()?;
         Ok(Self {
@@ -153,7 +156,7 @@ impl Oracle {
         })
     }
 
-    /// The link came up, as a new connection, or went down. It is down at first.
+    /// The link came up with a new connection, or went down. At the start of a run it is down.
     pub fn link(&mut self, at_ns: u64, up: bool) {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
@@ -173,12 +176,13 @@ impl Oracle {
         self.arriving.clear();
         self.navigation.cut();
         self.integrity.cut();
-        // What was on its way may not have been read.
+        // The runtime may not have read what was on its way.
         if self.flaws.unread_from(at - self.sure()) {
-            // It may go by the clock from before, and see nothing where that is set back.
+            // The runtime may still use the clock from before, and then notices nothing when the clock is set back to
+            // it.
             self.clock.forget();
         }
-        // The old connection is over either way, even where its end was not told.
+        // The old connection is over in both cases, even if its end was not reported.
         let change = self.control.link(at, false);
         self.control_changed(at, change);
         if up {
@@ -188,8 +192,9 @@ impl Oracle {
         }
     }
 
-    /// A fault of the simulation stops, kills or hangs the runtime with the link still up: its lease cannot be ended
-    /// any more, and the vehicle's clock alone must do so (requirement 007). Until it goes on it hears nothing.
+    /// A fault of the simulation stops, kills or hangs the runtime while the link stays up. The runtime cannot end its
+    /// lease any more, so the vehicle's own clock must end it (requirement 007). The runtime hears nothing until it
+    /// continues.
     pub fn runtime_stopped(&mut self, at_ns: u64) {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
@@ -200,8 +205,8 @@ impl Oracle {
         self.trigger.cut();
     }
 
-    /// The runtime goes on after it was stopped, and hears now what was said meanwhile. Where this is not told, its
-    /// next write tells it.
+    /// The runtime continues after it was stopped, and hears now what the vehicle sent meanwhile. If a run does not
+    /// call this, the runtime's next write counts as the moment at which it continued.
     pub fn runtime_continued(&mut self, at_ns: u64) {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
@@ -209,8 +214,8 @@ impl Oracle {
         self.shutdown.goes_on(at + self.sure());
     }
 
-    /// A new process of the runtime begins: it knows the identifiers that were used and the operator's hold, and nothing
-    /// else of what was said before.
+    /// A new process of the runtime begins. Of what was said before, it knows only the identifiers that were used and
+    /// the operator's hold.
     pub fn runtime_started(&mut self, at_ns: u64) {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
@@ -230,11 +235,12 @@ impl Oracle {
         self.quota = Quota::default();
         self.shutdown = Shutdown::default();
         self.frame_moved = None;
-        // The computer's clock may have been set back, and answers are told apart by connection.
+        // The computer's clock may have been set back, so a new process can repeat times. Acknowledgements of the two
+        // processes come on different connections.
         self.stamps = Stamps::default();
     }
 
-    /// The operator holds the runtime, or releases it (requirement 015).
+    /// The operator begins or releases a hold (requirement 015).
     pub fn operator(&mut self, at_ns: u64, held: bool) {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
@@ -251,7 +257,7 @@ impl Oracle {
         }
     }
 
-    /// A write of the vehicle, at its sender, in any split.
+    /// Bytes of the vehicle, cut anywhere, start on their way to us, after the faults of the link.
     pub fn from_vehicle(&mut self, at_ns: u64, bytes: &[u8]) {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
@@ -265,7 +271,7 @@ impl Oracle {
         self.from_vehicle = lines;
     }
 
-    /// A write of ours, at its sender.
+    /// Bytes of ours, cut anywhere. The time is that at which we write them.
     pub fn to_vehicle(&mut self, at_ns: u64, bytes: &[u8]) {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
@@ -277,13 +283,14 @@ impl Oracle {
             Piece::Line(line) => self.our_line(at, line),
             Piece::TooLong => self
                 .findings
-                .add(at, Rule::Malformed, || "a line without end".to_owned()),
+                .add(at, Rule::Malformed, || "a line without an end".to_owned()),
         });
         self.to_vehicle = lines;
     }
 
-    /// Bytes of ours arrive at the vehicle, in any split. Where a run tells this, what the vehicle forgets by its own
-    /// clock counts from here, as it must where faults of the link hold words back; else from the write.
+    /// Bytes of ours arrive at the vehicle, cut anywhere. Once a run calls this, the time after which the vehicle
+    /// forgets a request by its own clock counts from the arrival, because faults of the link can hold bytes back;
+    /// otherwise it counts from the write.
     pub fn arrived(&mut self, at_ns: u64, bytes: &[u8]) {
         let at = Moment::from_nanos(at_ns);
         self.delivery.tells_arrivals();
@@ -297,19 +304,19 @@ impl Oracle {
         });
     }
 
-    /// The vehicle reads nothing from now on, though its computer takes what arrives, or reads again. What it has not read
-    /// nobody can take back.
+    /// From now on the vehicle's program does not read, although its computer receives what arrives; or it reads again.
+    /// Nobody can take back what it has not read yet.
     pub fn deaf(&mut self, at_ns: u64, deaf: bool) {
         self.delivery.deaf(Moment::from_nanos(at_ns), deaf);
     }
 
-    /// How far the vehicle is, from now on, from where it believes to be, and from the depth that it believes in, metres:
-    /// what its sensors have got wrong no payload can know. To be told before [`Oracle::truth`]; nothing where it is not.
+    /// Sets how far the vehicle is from its own estimate of its position and depth, metres. No payload can know what
+    /// the vehicle's sensors have wrong. Call this before [`Oracle::truth`]; without a call both errors are zero.
     pub fn believed(&mut self, error_m: f64, depth_error_m: f64) {
         self.conduct.believed(error_m, depth_error_m);
     }
 
-    /// The vehicle's truth, ten times a second.
+    /// The vehicle's true state, ten times a second.
     pub fn truth(&mut self, truth: &Truth) {
         let at = Moment::from_nanos(truth.at_ns);
         self.pass_time(at);
@@ -327,20 +334,21 @@ impl Oracle {
         self.conduct.judge(at, truth, &context, &mut self.findings);
     }
 
-    /// The run is over: everything that was found, in the order of time. The first hundred are listed, the rest are a
-    /// number in one more entry whose rule is `omitted`.
+    /// Ends the run and returns all violations in order of time. The list has the first hundred; the number of the
+    /// others is in one more entry whose rule is `omitted`.
     #[must_use]
     pub fn finish(mut self, at_ns: u64) -> Vec<Violation> {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
         if self.control.is_up() && self.to_vehicle.is_open() {
             self.findings
-                .add(at, Rule::Malformed, || "a sentence without end".to_owned());
+                .add(at, Rule::Malformed, || "a sentence without an end".to_owned());
         }
         self.findings.into_violations()
     }
 
-    /// The end of an insert shows in the truth even where BFMBE met a dead link.
+    /// Follows inserts by the truth, which shows the end of an insert even if the link was down when the vehicle sent
+    /// BFMBE.
     fn follow_inserts(&mut self, at: Moment, truth: &Truth) {
         let flown = match truth.activity {
             Activity::Insert(identifier) => Some(identifier),
@@ -349,7 +357,7 @@ impl Oracle {
                 None
             }
             Activity::Suspended | Activity::Other => None,
-            // It may be the insert still.
+            // The insert may still be the behavior that is modified.
             Activity::Modified => return,
         };
         if flown == self.flown {
@@ -364,7 +372,7 @@ impl Oracle {
         self.flown = flown;
     }
 
-    /// A runtime that was stopped reads now what was said meanwhile.
+    /// A runtime that was stopped now reads what the vehicle sent meanwhile.
     fn goes_on(&mut self, at: Moment) {
         if self.process.is_stopped() {
             self.heartbeat.goes_on(at);
@@ -373,7 +381,7 @@ impl Oracle {
         self.process.goes_on(at);
     }
 
-    /// Judges what silence does before anything else is looked at.
+    /// Judges the effects of silence before anything else is judged.
     fn pass_time(&mut self, at: Moment) {
         self.now = self.now.max(at);
         self.station.check(at, &mut self.findings);
@@ -393,13 +401,13 @@ impl Oracle {
         self.lease.check(at, answer_max, &mut self.findings);
         if self.lease.is_alive() && self.is_stale(at, END_WITHIN) && self.lease.tell_stale() {
             self.findings.add(at, Rule::StaleNavigation, || {
-                "the lease goes on though navigation is stale".to_owned()
+                "the lease continues although navigation is stale".to_owned()
             });
         }
     }
 
-    /// What ends a lease or station keeping that begins now at once: control that is just being lost, the operator's
-    /// hold.
+    /// What ends a lease or station keeping at once if it begins now: control that is just being lost, or the
+    /// operator's hold.
     fn end_due(&self) -> Option<Due> {
         let lost = self.control.denied_since().map(|since| self.lost_due(since));
         match self.operator_due() {
@@ -408,7 +416,7 @@ impl Oracle {
         }
     }
 
-    /// When everything dynamic must have ended under the operator's hold.
+    /// When every dynamic request must have ended under the operator's hold.
     fn operator_due(&self) -> Option<Due> {
         let due = self.operator.due(&self.process)?;
         Some(Due {
@@ -434,12 +442,12 @@ impl Oracle {
         self.lease.must_end(due);
     }
 
-    /// The last jump of navigation, where it has not been steady for long enough since.
+    /// The last jump of navigation, if navigation has not been steady for long enough since.
     fn unsteady(&self, now: Moment) -> Option<Jump> {
         self.navigation.jump().filter(|jump| jump.steady(now) < STEADY)
     }
 
-    /// Until when a lease must have ended for what the vehicle said at a time.
+    /// The time by which a lease must have ended because of what the vehicle said at a time.
     fn due(&self, said: Moment, rule: Rule, why: &'static str) -> Due {
         Due {
             by: self.process.heard(said) + self.link_delay + END_WITHIN,
@@ -455,18 +463,24 @@ impl Oracle {
     }
 
     fn lost_due(&self, said: Moment) -> Due {
-        self.due(said, Rule::EndMissing, "control was lost under it")
+        self.due(said, Rule::EndMissing, "control was lost")
     }
 
-    /// How long after they were let on their way the vehicle's words have been heard for sure.
+    /// The longest time from the moment when the vehicle's bytes start on their way until the runtime has certainly
+    /// heard them.
     fn sure(&self) -> Duration {
         self.link_delay + RACE
     }
 
-    /// Whether the newest solution is older than allowed on any reading.
+    /// Whether the newest solution is older than allowed under any interpretation.
     fn is_stale(&self, now: Moment, tolerance: Duration) -> bool {
-        let allowed = self.navigation_age_max + self.link_delay + END_WITHIN + tolerance;
+        let allowed = self.navigation_age_allowed() + tolerance;
         self.navigation.age(now).is_none_or(|age| age > allowed)
+    }
+
+    /// The greatest age of navigation that the runtime may steer by, as the oracle sees it on the link.
+    fn navigation_age_allowed(&self) -> Duration {
+        self.navigation_age_max + self.link_delay + END_WITHIN
     }
 
     fn control_held_at(&self, now: Moment) -> Duration {

@@ -3,18 +3,18 @@ use std::time::Duration;
 
 use crate::moment::Moment;
 
-/// After a refusal no lease begins for so long, after each more for twice as long as after the one before.
+/// After a refusal no lease may begin for this time. Each further refusal doubles the time.
 const PAUSE: Duration = Duration::from_secs(1);
 const PAUSE_MAX: Duration = Duration::from_secs(60);
-/// After so long without a refusal the next pause may be the shortest again.
+/// After this time without a refusal, the next pause may be the shortest again.
 const FORGIVEN: Duration = Duration::from_secs(25);
-/// Refusals that come so soon after each other count once: they may be one that came twice.
+/// Refusals within this time count once, because they may be one refusal that came twice.
 const ONE: Duration = Duration::from_millis(500);
 
-/// How long no lease begins after the vehicle has refused a modify.
+/// The pause in which no lease may begin after the vehicle has refused a modify.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pause {
-    /// When the last refusals left the vehicle, and the pauses that they demand.
+    /// When the last refusals left the vehicle, and the pause that each demands.
     refused: VecDeque<(Moment, Duration)>,
 }
 
@@ -34,12 +34,12 @@ impl Pause {
         self.refused.push_back((at, pause));
     }
 
-    /// Whether there is anything to wait for.
+    /// Whether there was any refusal.
     pub(crate) fn is_any(&self) -> bool {
         !self.refused.is_empty()
     }
 
-    /// The refusal that was told before `heard` and whose pause is not over.
+    /// The last refusal that was sent before `heard` and whose pause is not over.
     pub(crate) fn standing(&self, now: Moment, heard: Moment) -> Option<(Moment, Duration)> {
         let stands = |(at, pause): &&(Moment, Duration)| *at <= heard && now.since(*at) < *pause;
         self.refused.iter().rev().find(stands).copied()

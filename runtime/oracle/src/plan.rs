@@ -1,6 +1,6 @@
 use crate::plane::{Plane, Point, to_segment_m};
 
-/// The vehicle's own legs, as BFPLN told them (SPI 6.20), without inserts of ours.
+/// The vehicle's own legs, as BFPLN reported them (SPI 6.20), without inserts of ours.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
     points: Vec<Point>,
@@ -15,7 +15,7 @@ impl Plan {
         self.asked_anew = true;
     }
 
-    /// The vehicle told an element.
+    /// The vehicle reported an element.
     pub(crate) fn told(&mut self, point: Option<Point>) {
         if core::mem::take(&mut self.asked_anew) {
             self.points.clear();
@@ -27,7 +27,7 @@ impl Plan {
         }
     }
 
-    /// Whether a planned leg passes within a distance.
+    /// Whether a planned leg passes within a distance of a point.
     pub(crate) fn passes(&self, point: Point, distance_m: f64) -> bool {
         let plane = Plane::at(point);
         self.points

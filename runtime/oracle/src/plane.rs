@@ -1,6 +1,6 @@
 use crate::earth::{E2, SEMI_MAJOR_AXIS_M};
 
-/// A place in degrees; longitude counts from the area's reference, so that the date line is nowhere near.
+/// A place in degrees. Longitude counts from the area's reference, so that the date line is far away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point {
     /// East, degrees.
@@ -9,17 +9,17 @@ pub(crate) struct Point {
     pub(crate) y: f64,
 }
 
-/// A vector of the plane, metres.
+/// A vector in a plane, metres.
 pub(crate) type Vector = [f64; 2];
 
-/// The plane that touches the ellipsoid at one point: degrees times the metres that a degree has there. What is
-/// straight in longitude and latitude is straight in it, which no conformal projection offers.
+/// The plane that touches the ellipsoid at one point: degrees, multiplied by the length of a degree there in metres. A
+/// line that is straight in longitude and latitude is straight in this plane, which no conformal projection offers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane {
     origin: Point,
     x_m_per_deg: f64,
     y_m_per_deg: f64,
-    /// How much the plane is wrong: metres of error for each square metre of distance.
+    /// The error of the plane: metres for each square metre of distance.
     bend_per_m: f64,
 }
 
@@ -51,7 +51,7 @@ impl Plane {
         }
     }
 
-    /// The most that a length is wrong within a distance of the origin, metres.
+    /// The greatest error of a length within a distance of the origin, metres.
     pub(crate) fn error_m(&self, distance_m: f64) -> f64 {
         distance_m * distance_m * self.bend_per_m
     }
@@ -69,7 +69,7 @@ fn cross(a: Vector, b: Vector) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// From a point to the nearest of a segment, metres.
+/// The distance from a point to a segment, metres.
 pub(crate) fn to_segment_m(p: Vector, [a, b]: [Vector; 2]) -> f64 {
     let along = minus(b, a);
     let from = minus(p, a);
@@ -81,20 +81,20 @@ pub(crate) fn to_segment_m(p: Vector, [a, b]: [Vector; 2]) -> f64 {
     length_m([from[0] - t * along[0], from[1] - t * along[1]])
 }
 
-/// Between two segments, metres; zero where they meet.
+/// The distance between two segments, metres; zero if they meet.
 pub(crate) fn between_m(s: [Vector; 2], t: [Vector; 2]) -> f64 {
     let side = |[a, b]: [Vector; 2], p| cross(minus(b, a), minus(p, a));
     if side(s, t[0]) * side(s, t[1]) < 0.0 && side(t, s[0]) * side(t, s[1]) < 0.0 {
         return 0.0;
     }
-    // Without a proper crossing an end is nearest; touching ends give zero.
+    // Segments that do not cross are nearest at an end; touching ends give zero.
     to_segment_m(s[0], t)
         .min(to_segment_m(s[1], t))
         .min(to_segment_m(t[0], s))
         .min(to_segment_m(t[1], s))
 }
 
-/// Between the rim of a circle around the origin and a segment, metres; zero where they meet.
+/// The distance between a segment and the rim of a circle around the origin, metres; zero if they meet.
 pub(crate) fn rim_to_segment_m(radius_m: f64, s: [Vector; 2]) -> f64 {
     let nearest = to_segment_m([0.0, 0.0], s);
     let farthest = length_m(s[0]).max(length_m(s[1]));
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_degree_has_the_length_of_the_tables() {
+    fn a_degree_has_its_published_length() {
         // 111 132.95 m and 78 846.81 m at 45 N.
         let plane = Plane::at(Point { x: 0.0, y: 45.0 });
         let [x, y] = plane.vector(Point { x: 1.0, y: 46.0 });

@@ -2,21 +2,21 @@ use std::time::Duration;
 
 use crate::moment::Moment;
 
-/// The runtime's process: what it could have heard, and when.
+/// The runtime's process: what it can have heard, and when.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Process {
     stopped: Option<Moment>,
-    /// The connection is another one than when it was stopped.
+    /// The connection has changed since the process was stopped.
     reconnected: bool,
-    /// When it was stopped, a lease of its own was alive on this connection.
+    /// When the process was stopped, a lease of its own was alive on this connection.
     steered: bool,
-    /// When it last went on: what was said while it was stopped it has heard then.
+    /// When the process last continued: it has heard then what the vehicle sent while it was stopped.
     woken: Moment,
     slept: Duration,
 }
 
 impl Process {
-    /// It stands still. `steers` where a lease of its own is alive.
+    /// The process is stopped. `steers` is true if a lease of its own is alive.
     pub(crate) fn stopped(&mut self, at: Moment, steers: bool) {
         if self.stopped.is_none() {
             self.stopped = Some(at);
@@ -25,7 +25,7 @@ impl Process {
         }
     }
 
-    /// The link was lost or made.
+    /// The link went down or came up.
     pub(crate) fn link_changed(&mut self) {
         self.reconnected = true;
         self.slept = Duration::ZERO;
@@ -44,7 +44,7 @@ impl Process {
         }
     }
 
-    /// A new process begins: it has left nothing behind.
+    /// A new process begins, with no lease of its own.
     pub(crate) fn begins(&mut self, at: Moment) {
         *self = Self {
             woken: at,
@@ -52,12 +52,12 @@ impl Process {
         };
     }
 
-    /// For how long it stood still with a lease of this connection, once.
+    /// For how long the process was stopped with a lease of this connection. Returns it once, then zero.
     pub(crate) fn slept(&mut self) -> Duration {
         core::mem::take(&mut self.slept)
     }
 
-    /// Until when what was said has been heard for sure, where that takes `sure` at most.
+    /// The time before which the process has certainly heard everything, if hearing takes `sure` at most.
     pub(crate) fn heard_until(&self, now: Moment, sure: Duration) -> Moment {
         if self.woken + sure <= now {
             now - sure
@@ -66,7 +66,7 @@ impl Process {
         }
     }
 
-    /// When the runtime could hear what was said at a time.
+    /// When the runtime could hear what the vehicle sent at a time.
     pub(crate) fn heard(&self, said: Moment) -> Moment {
         said.max(self.woken)
     }

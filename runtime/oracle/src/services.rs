@@ -1,4 +1,5 @@
-//! What is no movement: the DVL's triggering, acoustic packets, silent mode, messages, and the word that power will go.
+//! What does not move the vehicle: the triggering of the DVL, acoustic packets, silent mode, messages, and BFSHT, which
+//! announces that power will go.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -10,18 +11,18 @@ use crate::limits::{Caps, seconds};
 use crate::rule::Rule;
 use crate::violation::Findings;
 
-/// How soon the vehicle's word to cease triggering is answered, the plugin's time and some more.
+/// How soon the runtime answers the order to stop triggering: the plugin's time and some more.
 const CEASE_WITHIN: Duration = Duration::from_millis(1300);
-/// How long after BFSHT anything may be said, and some more.
+/// How long after BFSHT we may send anything, and some more.
 const LAST_WORD: Duration = Duration::from_millis(10_500);
-/// Silence that ends so soon may be asked for anew.
+/// Silence that ends within this time may be requested again.
 const SILENCE_SLACK: Duration = Duration::from_secs(1);
 
 /// External triggering of the DVL (SPI 5.6, 7.4).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trigger {
     leave: bool,
-    /// When the vehicle took the leave back.
+    /// When the vehicle withdrew the permission.
     ceased: Option<Moment>,
     external: bool,
     triggering: bool,
@@ -29,7 +30,7 @@ pub(crate) struct Trigger {
 }
 
 impl Trigger {
-    /// The vehicle said BFDVT. `hears` where we can answer; `heard` is when we hear it at the latest.
+    /// The vehicle sent BFDVT. `hears` is true if we can answer; `heard` is the latest time at which we hear it.
     pub(crate) fn vehicle_says(&mut self, at: Moment, begin: bool, heard: Moment, hears: bool) {
         self.leave = begin;
         self.ceased = (!begin).then_some(at);
@@ -40,7 +41,7 @@ impl Trigger {
         }
     }
 
-    /// We said BPDVR. `sure` is how long it takes at most until we have heard the vehicle.
+    /// We sent BPDVR. `sure` is the longest time until we have certainly heard the vehicle.
     pub(crate) fn we_say(
         &mut self,
         at: Moment,
@@ -54,8 +55,8 @@ impl Trigger {
         }
         if triggering && !self.leave && self.ceased.is_none_or(|ceased| ceased + sure < at) {
             findings.add(at, Rule::TriggerWithoutLeave, || match self.ceased {
-                Some(ceased) => format!("BPDVR says that we trigger, though BFDVT 0 came at {ceased}"),
-                None => "BPDVR says that we trigger, though no BFDVT 1 has come".to_owned(),
+                Some(ceased) => format!("BPDVR says that we trigger, although BFDVT 0 came at {ceased}"),
+                None => "BPDVR says that we trigger, although no BFDVT 1 has come".to_owned(),
             });
         }
         if !triggering && self.cease_due.take().is_some() {
@@ -64,7 +65,7 @@ impl Trigger {
         (self.external, self.triggering) = (external, triggering);
     }
 
-    /// Whether BPDVR with this request asks for what was not asked for before.
+    /// Whether BPDVR with this request asks for external triggering that was not requested before.
     pub(crate) const fn asks_anew(&self, external: bool) -> bool {
         external && !self.external
     }
@@ -73,17 +74,17 @@ impl Trigger {
         if let Some(due) = self.cease_due.take_if(|due| now > *due) {
             findings.judge(Rule::TriggerNotCeased);
             findings.add(now, Rule::TriggerNotCeased, || {
-                format!("no BPDVR by {due} that says that triggering has ceased, as BFDVT 0 wants it")
+                format!("no BPDVR by {due} that says that triggering has stopped, as BFDVT 0 demands")
             });
         }
     }
 
-    /// We cannot say anything any more.
+    /// We cannot send anything any more.
     pub(crate) fn cut(&mut self) {
         self.cease_due = None;
     }
 
-    /// What was said of late is not known: it may be allowed, and may have been asked for.
+    /// The record has a gap: triggering may be permitted, and may have been requested.
     pub(crate) fn forget(&mut self) {
         *self = Self {
             leave: true,
@@ -97,12 +98,12 @@ impl Trigger {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Acoustic {
     open_until: Option<Moment>,
-    /// A window may be open of which nobody has written down the end.
+    /// A window may be open whose end is in a gap of the record.
     unseen: bool,
 }
 
 impl Acoustic {
-    /// The vehicle gave a window: it is over when its length has passed since we could hear of it.
+    /// The vehicle gave a window. It is over when its length has passed since the vehicle sent the sentence.
     pub(crate) fn window(&mut self, at: Moment, created: TimeOfDay, until: TimeOfDay) {
         self.unseen = false;
         if let Ok(length_ns) = u64::try_from(until.nanos_since(created)) {
@@ -128,7 +129,7 @@ impl Acoustic {
         *self = Self::default();
     }
 
-    /// What was said of late is not known.
+    /// The record has a gap.
     pub(crate) fn forget(&mut self) {
         self.unseen = true;
     }
@@ -142,7 +143,7 @@ pub(crate) struct Silence {
 }
 
 impl Silence {
-    /// We said BPSIL.
+    /// We sent BPSIL.
     pub(crate) fn we_say(&mut self, at: Moment, created: TimeOfDay, silent: bool, findings: &mut Findings) {
         if !silent {
             *self = Self::default();
@@ -153,13 +154,13 @@ impl Silence {
             && at + SILENCE_SLACK < until
         {
             findings.add(at, Rule::SilenceRepeated, || {
-                format!("BPSIL 1 though silence stands until {until}, which it does not prolong")
+                format!("BPSIL 1 although silent mode lasts until {until} and cannot be prolonged")
             });
         }
         self.asked = Some((created.to_the_millisecond(), at));
     }
 
-    /// The vehicle answered a BPSIL. Whether silence begins with it.
+    /// The vehicle answered a BPSIL. Returns whether silence begins with it.
     pub(crate) fn answered(&mut self, echo: Echo, taken: bool, caps: &Caps) -> bool {
         let Some((asked, at)) = self.asked else { return false };
         if !echo.echoes(asked) {
@@ -172,10 +173,10 @@ impl Silence {
     }
 }
 
-/// How much was asked for, by the runtime's process.
+/// How much one process of the runtime has requested.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Quota {
-    /// What the vehicle took, by when it was asked: an answer may come twice.
+    /// What the vehicle accepted, by the time of the request, because an answer may come twice.
     taken: Vec<(Counted, Echo)>,
     topside: Rate,
     packets: Rate,
@@ -183,11 +184,11 @@ pub(crate) struct Quota {
     devices: Rate,
 }
 
-/// The times of the last ones.
+/// The times of the last requests of a kind.
 #[derive(Clone, Debug, Default)]
 struct Rate(VecDeque<Moment>);
 
-/// What is counted in all.
+/// Requests that are counted in total.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Counted {
     GpsHit,
@@ -195,7 +196,7 @@ pub(crate) enum Counted {
     Silence,
 }
 
-/// What is counted by the minute or the second.
+/// Requests that are counted by the minute or the second.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Rated {
     Topside,
@@ -205,7 +206,7 @@ pub(crate) enum Rated {
 }
 
 impl Quota {
-    /// The vehicle took one.
+    /// The vehicle accepted a request.
     pub(crate) fn taken(&mut self, at: Moment, (what, created): (Counted, Echo), caps: &Caps, findings: &mut Findings) {
         let (max, name) = match what {
             Counted::GpsHit => (caps.gps_hits_total_max, "GPS hits"),
@@ -220,12 +221,12 @@ impl Quota {
         let count = self.taken.iter().filter(|(other, _)| *other == what).count();
         if count > max as usize {
             findings.add(at, Rule::RequestsTotal, || {
-                format!("{count} {name} taken, {max} allowed")
+                format!("{count} {name} accepted, {max} allowed")
             });
         }
     }
 
-    /// We asked for one. An average lets twice as many come in its time, where none came before.
+    /// We sent a request. A limit on the average lets through twice as many in its time if there was none before.
     pub(crate) fn asked(&mut self, at: Moment, what: Rated, caps: &Caps, findings: &mut Findings) {
         const MINUTE: (Duration, &str) = (Duration::from_secs(60), "a minute");
         const SECOND: (Duration, &str) = (Duration::from_secs(1), "a second");
@@ -260,17 +261,17 @@ impl Quota {
     }
 }
 
-/// The vehicle's word that power will go (SPI 5.2).
+/// BFSHT, the vehicle's message that power will go (SPI 5.2).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Shutdown {
     heard: Option<Moment>,
-    /// It was said while the runtime stood still.
+    /// The vehicle sent it while the runtime was stopped.
     unheard: bool,
     told: bool,
 }
 
 impl Shutdown {
-    /// The vehicle said BFSHT, and we hear it by then; or, standing still, when we go on.
+    /// The vehicle sent BFSHT, and we hear it by `heard`; or, if the runtime is stopped, when it continues.
     pub(crate) fn said(&mut self, heard: Moment, stopped: bool) {
         if stopped {
             self.unheard = true;
@@ -279,20 +280,20 @@ impl Shutdown {
         }
     }
 
-    /// The link is lost, and what was not surely heard by now with it.
+    /// The link is lost, and with it what we have not certainly heard by now.
     pub(crate) fn cut(&mut self, now: Moment) {
         self.heard = self.heard.filter(|heard| *heard <= now);
         self.unheard = false;
     }
 
-    /// The runtime goes on, and hears by then what was said meanwhile.
+    /// The runtime continues, and hears by `heard` what the vehicle sent meanwhile.
     pub(crate) fn goes_on(&mut self, heard: Moment) {
         if core::mem::take(&mut self.unheard) {
             self.heard.get_or_insert(heard);
         }
     }
 
-    /// We said something, perhaps a request that is new.
+    /// We sent a sentence; `is_new` is true if it is a new request.
     pub(crate) fn we_say(&mut self, at: Moment, name: &[u8; 5], is_new: bool, findings: &mut Findings) {
         let Some(heard) = self.heard else { return };
         findings.judge(Rule::AfterShutdown);
@@ -300,7 +301,7 @@ impl Shutdown {
         if (late || is_new && at > heard) && !core::mem::replace(&mut self.told, late) {
             findings.add(at, Rule::AfterShutdown, || {
                 let name = String::from_utf8_lossy(name);
-                format!("{name}, though BFSHT was heard by {heard}")
+                format!("{name} was sent although BFSHT was heard by {heard}")
             });
         }
     }

@@ -2,8 +2,8 @@ use std::collections::VecDeque;
 
 use crate::time_of_day::TimeOfDay;
 
-/// The times that our sentences carry, by name: acknowledgements are matched by them, so that none may come twice
-/// (SPI 6.21).
+/// The timestamps of our sentences, by name. Acknowledgements are matched by them, so no timestamp may come twice (SPI
+/// 6.21).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stamps {
     names: Vec<([u8; 5], Used)>,
@@ -12,17 +12,17 @@ pub(crate) struct Stamps {
 #[derive(Clone, Debug, Default)]
 struct Used {
     latest: TimeOfDay,
-    /// The newest ones, for senders that are not in order.
+    /// The newest timestamps, for senders whose times are not in order.
     recent: VecDeque<TimeOfDay>,
 }
 
 impl Stamps {
-    /// Far more names than there are: random ones must not fill the memory.
+    /// Far more names than SPI has. The bound keeps random names from filling the memory.
     const NAMES_MAX: usize = 64;
-    /// How many times are remembered. Times in order need none.
+    /// How many timestamps are remembered. Timestamps in order need none.
     const RECENT_MAX: usize = 1024;
 
-    /// Whether the name had this time before; remembers it.
+    /// Returns whether the name had this timestamp before, and remembers it.
     pub(crate) fn repeats(&mut self, name: [u8; 5], stamp: TimeOfDay) -> bool {
         let stamp = stamp.to_the_millisecond();
         let Some((_, used)) = self.names.iter_mut().find(|(known, _)| *known == name) else {
@@ -32,7 +32,7 @@ impl Stamps {
             }
             return false;
         };
-        // Later than the latest, the short way round midnight, is new without a search.
+        // A time that is later than the latest, the shorter way round midnight, is new without a search.
         let later = stamp.nanos_since(used.latest) > 0;
         if !later && used.recent.contains(&stamp) {
             return true;

@@ -1,19 +1,19 @@
 use std::fmt;
 
-/// Where a run stands, by the bytes of the link alone.
+/// The state of a run, by the bytes on the link alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum State {
     /// The link is down.
     Down,
-    /// The link is up and control is not ours, whatever of ours is open.
+    /// The link is up and we do not have control; requests of ours may be open.
     NoControl,
-    /// Control is ours, and nothing of ours is open.
+    /// We have control, and no request of ours is open.
     Idle,
-    /// An insert was sent, and the vehicle has neither taken nor refused it.
+    /// An insert was sent, and the vehicle has neither accepted nor refused it.
     Asked,
-    /// An insert was taken and has not begun.
+    /// The vehicle accepted an insert, which has not begun.
     Queued,
-    /// An insert of ours is flown.
+    /// The vehicle flies an insert of ours.
     Insert,
     /// A modify is alive.
     Lease,
@@ -24,7 +24,7 @@ pub enum State {
 }
 
 impl State {
-    /// All of them.
+    /// All states.
     pub const ALL: [Self; 9] = [
         Self::Down,
         Self::NoControl,
@@ -37,7 +37,7 @@ impl State {
         Self::Station,
     ];
 
-    /// Its name in reports.
+    /// The state's name in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,24 +1,25 @@
 use std::time::Duration;
 
+use crate::margin::Margin;
 use crate::moment::Moment;
 
 use crate::due::Due;
 use crate::rule::Rule;
 use crate::violation::Findings;
 
-/// The longest between two sentences that keep a suspension.
+/// The longest time between two sentences that refresh a suspension.
 const GAP_MAX: Duration = Duration::from_secs(1);
-/// When the vehicle takes its mission up by itself (SPI 8.1).
+/// When the vehicle resumes its mission by itself (SPI 8.1).
 const LAPSE: Duration = Duration::from_secs(2);
 
-/// The cadence of our suspensions: it lives from BPSUS to BPRES, or until the vehicle goes on by itself.
+/// The cadence of our suspensions. A suspension lives from BPSUS to BPRES, or until the vehicle resumes by itself.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Station {
     last: Option<Moment>,
     alive_since: Option<Moment>,
-    /// BPSUS was said on this connection, and BPRES was not since.
+    /// BPSUS was sent on this connection, and no BPRES since.
     suspended: bool,
-    /// BPSUS was said, and BPRES was not since.
+    /// BPSUS was sent, and no BPRES since.
     unended: bool,
     due: Option<Due>,
     opened: u64,
@@ -39,13 +40,13 @@ impl Station {
         self.opened
     }
 
-    /// How long the vehicle kept its station, until now.
+    /// How long the vehicle has kept station until now.
     pub(crate) fn alive_s(&self, now: Moment) -> f64 {
         let open = self.alive_since.map_or(Duration::ZERO, |since| now.since(since));
         (self.alive + open).as_secs_f64()
     }
 
-    /// Judges what silence does.
+    /// Judges the effects of silence.
     pub(crate) fn check(&mut self, now: Moment, findings: &mut Findings) {
         if self.alive_since.is_none() {
             return;
@@ -66,22 +67,26 @@ impl Station {
         }
     }
 
-    /// We wrote a BPSUS. `counts` where the vehicle may take it; `due` where it must end at once.
-    pub(crate) fn suspend(&mut self, at: Moment, counts: bool, due: Option<Due>) {
+    /// We wrote a BPSUS. `counts` is true if the vehicle may accept it; `due` says when it must end, if it must end at
+    /// once.
+    pub(crate) fn suspend(&mut self, at: Moment, counts: bool, due: Option<Due>, findings: &mut Findings) {
         self.suspended = true;
         self.unended = true;
-        self.refresh(at, counts, due);
+        self.refresh(at, counts, due, findings);
     }
 
-    /// We wrote BPCON, BPGHP or BPGBP. Whether there was something to keep.
-    pub(crate) fn keep(&mut self, at: Moment, counts: bool, due: Option<Due>) -> bool {
+    /// We wrote BPCON, BPGHP or BPGBP. Returns whether there was a suspension to refresh.
+    pub(crate) fn keep(&mut self, at: Moment, counts: bool, due: Option<Due>, findings: &mut Findings) -> bool {
         if self.suspended {
-            self.refresh(at, counts, due);
+            self.refresh(at, counts, due, findings);
         }
         self.suspended
     }
 
-    fn refresh(&mut self, at: Moment, counts: bool, due: Option<Due>) {
+    fn refresh(&mut self, at: Moment, counts: bool, due: Option<Due>, findings: &mut Findings) {
+        if let Some(last) = self.last.filter(|_| self.alive_since.is_some()) {
+            findings.near(Margin::StationGap, at.since(last).as_secs_f64(), GAP_MAX.as_secs_f64());
+        }
         self.last = Some(at);
         if counts && self.alive_since.is_none() {
             self.alive_since = Some(at);
@@ -91,7 +96,10 @@ impl Station {
     }
 
     /// We wrote a BPRES.
-    pub(crate) fn end(&mut self, at: Moment) {
+    pub(crate) fn end(&mut self, at: Moment, findings: &mut Findings) {
+        if let Some(due) = self.due.filter(|_| self.alive_since.is_some()) {
+            findings.near(Margin::StationEnd, due.left_s(at), 0.0);
+        }
         self.suspended = false;
         self.unended = false;
         self.close(at);
@@ -104,7 +112,7 @@ impl Station {
         }
     }
 
-    /// The link was lost: the vehicle goes on by itself, and nothing is suspended on the next connection.
+    /// The link was lost: the vehicle resumes by itself, and nothing is suspended on the next connection.
     pub(crate) fn cut(&mut self, at: Moment) {
         self.suspended = false;
         self.close(at);
@@ -115,7 +123,7 @@ impl Station {
         self.close(at);
     }
 
-    /// What was said of late is not known: the mission may be suspended.
+    /// The record has a gap: the mission may be suspended.
     pub(crate) fn forget(&mut self, at: Moment) {
         self.close(at);
         self.last = None;

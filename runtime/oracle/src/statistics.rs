@@ -1,5 +1,7 @@
 use serde::Serialize;
 
+use crate::margin::Margins;
+
 /// How much there was to judge.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Statistics {
@@ -13,7 +15,7 @@ pub struct Statistics {
     pub navigations: u64,
     /// How often the link came up.
     pub connections: u64,
-    /// How often control was handed to us.
+    /// How often we received control.
     pub control_spans: u64,
     /// How long we had control, seconds.
     pub control_s: f64,
@@ -25,9 +27,9 @@ pub struct Statistics {
     pub leases: u64,
     /// How long leases were alive, by our sentences, seconds.
     pub lease_s: f64,
-    /// How often hovering vehicles kept station: a BPSUS while none was alive opens one.
+    /// How often a hovering vehicle kept station: a BPSUS while no suspension was alive begins one.
     pub stations: u64,
-    /// How long stations were alive, by our sentences, seconds.
+    /// How long station keeping was alive, by our sentences, seconds.
     pub station_s: f64,
     /// BPRTK, BPRTC and BPRGP.
     pub inserts_sent: u64,
@@ -45,8 +47,10 @@ pub struct Statistics {
     pub truth_insert_s: f64,
     /// How long the vehicle truly flew under a modify, seconds.
     pub truth_modified_s: f64,
-    /// How often the true position was held against the fence.
+    /// How often the true position was compared with the fence.
     pub truth_judged: u64,
-    /// All violations, the ones that are not listed included.
+    /// All violations, including those that the list omits.
     pub violations: u64,
+    /// How near the run came to what the requirements forbid.
+    pub margins: Margins,
 }

@@ -1,13 +1,13 @@
 use crate::area::{Area, Surroundings};
 use crate::plane::{Plane, Point, length_m};
 
-/// What surrounds a place that moves: surveyed anew only where an edge could have been crossed since.
+/// The surroundings of a place that moves. They are surveyed again only if the place may have crossed an edge since.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Survey {
     surroundings: Surroundings,
-    /// Where the surroundings were surveyed.
+    /// Where the surroundings were surveyed last.
     surveyed: Option<(Point, Plane)>,
-    /// From the newest place to the nearest edge at least, metres.
+    /// The least distance from the newest place to the nearest edge, metres.
     spare_m: f64,
 }
 
@@ -16,15 +16,15 @@ impl Survey {
         &self.surroundings
     }
 
-    /// From the newest place to the nearest edge of any zone at least, metres.
+    /// The least distance from the newest place to the nearest edge of any zone, metres.
     pub(crate) const fn spare_m(&self) -> f64 {
         self.spare_m
     }
 
-    /// Goes to a place.
+    /// Moves to a place.
     pub(crate) fn at(&mut self, point: Point, area: &Area) {
         if let Some((_, plane)) = self.surveyed {
-            // A metre, and a part of the way, for the error of the plane.
+            // A metre and a part of the way allow for the error of the plane.
             let moved_m = length_m(plane.vector(point));
             let used_m = moved_m * 1.01 + 1.0;
             if moved_m < 10_000.0 && used_m < self.surroundings.edge_m {
@@ -35,7 +35,7 @@ impl Survey {
         self.anew(point, area);
     }
 
-    /// Goes to a place, and surveys it whatever is known.
+    /// Moves to a place and surveys its surroundings in any case.
     pub(crate) fn anew(&mut self, point: Point, area: &Area) {
         area.survey(point, &mut self.surroundings);
         self.surveyed = Some((point, Plane::at(point)));
@@ -59,9 +59,9 @@ mod tests {
             [[5.008, 60.002], [5.012, 60.003], [5.01, 60.0], [5.008, 60.002]] ] } } ] }"#;
 
     proptest! {
-        /// What is remembered of the surroundings is what a survey on the spot would say.
+        /// Remembered surroundings are those that a survey on the spot would find.
         #[test]
-        fn a_remembered_survey_holds(
+        fn a_remembered_survey_stays_valid(
             start in (-0.01..0.04f64, -0.01..0.03f64),
             steps in proptest::collection::vec((-1.0..1.0f64, -1.0..1.0f64, 0..4u8), 1..80),
         ) {

@@ -9,10 +9,10 @@ const DAY_NS: u64 = 86_400 * SECOND_NS;
 pub struct TimeOfDay(u64);
 
 impl TimeOfDay {
-    /// Midnight, which acknowledgements give for a command without a time.
+    /// Midnight, which acknowledgements echo for a command without a time.
     pub const MIDNIGHT: Self = Self(0);
 
-    /// From a clock's figures and nanoseconds of the second. Nothing where no clock shows that.
+    /// Makes a time from the figures of a clock and the nanoseconds of the second. `None` if no clock shows them.
     #[must_use]
     pub fn new(hour: u8, minute: u8, second: u8, nanos: u32) -> Option<Self> {
         let leap = (hour, minute, second) == (23, 59, 60);
@@ -27,13 +27,13 @@ impl TimeOfDay {
         self.0
     }
 
-    /// Without what is finer than a millisecond: acknowledgements repeat three decimals.
+    /// Cuts off what is finer than a millisecond, because acknowledgements repeat three decimals.
     #[must_use]
     pub const fn to_the_millisecond(self) -> Self {
         Self(self.0 - self.0 % 1_000_000)
     }
 
-    /// Nanoseconds since another time, the shorter way round midnight: less than half a day either way.
+    /// Nanoseconds since another time, the shorter way round midnight: at most half a day either way.
     #[must_use]
     pub const fn nanos_since(self, other: Self) -> i64 {
         const HALF: i64 = DAY_NS as i64 / 2;
@@ -41,8 +41,8 @@ impl TimeOfDay {
     }
 }
 
-/// A command's time as an acknowledgement echoes it (SPI 6.21): to the last of the decimals that it has, cut off there or
-/// rounded.
+/// A command's time as an acknowledgement echoes it (SPI 6.21). The vehicle cuts it off or rounds it at the last
+/// decimal that it writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Echo {
     time: TimeOfDay,
@@ -50,13 +50,14 @@ pub struct Echo {
 }
 
 impl Echo {
-    /// Of a command without a time.
+    /// The echo of a command without a time.
     pub const NONE: Self = Self {
         time: TimeOfDay::MIDNIGHT,
         decimals: 3,
     };
 
-    /// A time that stands there with so many decimals; more than three say nothing, for our times are of milliseconds.
+    /// An echo that was written with this number of decimals. More than three say nothing, because our times are whole
+    /// milliseconds.
     #[must_use]
     pub fn new(time: TimeOfDay, decimals: usize) -> Self {
         Self {
@@ -65,25 +66,25 @@ impl Echo {
         }
     }
 
-    /// Whether it is as fine as our times are, so that it means one command alone.
+    /// Whether the echo is as fine as our times, so that it belongs to one command only.
     #[must_use]
     pub const fn is_precise(self) -> bool {
         self.decimals == 3
     }
 
-    /// The time as it stands.
+    /// The time as it was written.
     #[must_use]
     pub const fn time(self) -> TimeOfDay {
         self.time
     }
 
-    /// Whether it says that the command had no time.
+    /// Whether the echo says that the command had no time.
     #[must_use]
     pub fn is_none(self) -> bool {
         self.time == TimeOfDay::MIDNIGHT
     }
 
-    /// Whether it may be of a command that was made then.
+    /// Whether this may be the echo of a command that was made then.
     #[must_use]
     pub fn echoes(self, created: TimeOfDay) -> bool {
         let unit_ns = 10_i64.pow(9 - u32::from(self.decimals));
@@ -102,7 +103,7 @@ impl fmt::Display for TimeOfDay {
     }
 }
 
-/// So many milliseconds after midnight.
+/// The time of day so many milliseconds after midnight.
 #[cfg(test)]
 pub(crate) const fn from_millis(millis: u64) -> TimeOfDay {
     TimeOfDay(millis * 1_000_000)
@@ -132,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn an_echo_is_of_what_its_decimals_may_leave_out() {
+    fn an_echo_matches_within_its_last_decimal() {
         let made = TimeOfDay::new(8, 10, 25, 987_000_000).unwrap();
         for (nanos, decimals, echoes) in [
             (987_000_000, 3, true),
@@ -148,14 +149,14 @@ mod tests {
             let echo = Echo::new(TimeOfDay::new(8, 10, 25, nanos).unwrap(), decimals);
             assert_eq!(echo.echoes(made), echoes, "{nanos} {decimals}");
         }
-        // Rounded up over midnight.
+        // An echo that was rounded up past midnight.
         let late = TimeOfDay::new(23, 59, 59, 996_000_000).unwrap();
         let rounded = Echo::new(TimeOfDay::new(0, 0, 0, 10_000_000).unwrap(), 2);
         assert!(!rounded.echoes(late) && !Echo::NONE.echoes(TimeOfDay::MIDNIGHT));
     }
 
     #[test]
-    fn midnight_is_passed_the_shorter_way() {
+    fn differences_go_the_shorter_way_round_midnight() {
         let at = |hour, second| TimeOfDay::new(hour, 59, second, 0).unwrap();
         assert_eq!(at(0, 0).nanos_since(at(23, 59)), 3_541_000_000_000);
         assert_eq!(at(23, 59).nanos_since(at(0, 0)), -3_541_000_000_000);

@@ -1,5 +1,6 @@
 use std::fmt;
 
+use crate::margin::{Margin, Margins};
 use crate::moment::Moment;
 use serde::Serialize;
 
@@ -8,17 +9,17 @@ use crate::rule::Rule;
 /// One breach of a rule.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Violation {
-    /// When it was found, nanoseconds since the start of the run.
+    /// When the oracle found it, nanoseconds since the start of the run.
     #[serde(rename = "at")]
     pub at_ns: u64,
     /// The rule's short name.
     pub rule: &'static str,
-    /// The safety requirement behind the rule, where it has one.
+    /// The safety requirement behind the rule, if it has one.
     pub requirement: Option<u32>,
-    /// The sentence with which it was found, the end of the line apart; none where silence broke the rule.
+    /// The sentence that revealed it, without its line end; `None` if silence broke the rule.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sentence: Option<String>,
-    /// What happened, with its numbers.
+    /// What happened, with the figures.
     pub text: String,
 }
 
@@ -32,18 +33,19 @@ impl fmt::Display for Violation {
     }
 }
 
-/// The violations of a run: the first ones whole, the rest as a number, so that a broken run costs no more memory than
-/// a good one.
+/// The violations of a run. The first ones are kept whole and the others are only counted, so that a broken run takes
+/// no more memory than a good one.
 #[derive(Clone, Debug)]
 pub(crate) struct Findings {
     kept: Vec<Violation>,
     count: u64,
     last: Moment,
-    /// The line that is looked at; empty where none is.
+    /// The line that is being judged; empty if there is none.
     line: Vec<u8>,
     /// How often each rule was judged, and how often it was broken.
     judged: [u64; Rule::ALL.len()],
     broken: [u64; Rule::ALL.len()],
+    margins: Margins,
 }
 
 impl Default for Findings {
@@ -55,27 +57,28 @@ impl Default for Findings {
             line: Vec::new(),
             judged: [0; Rule::ALL.len()],
             broken: [0; Rule::ALL.len()],
+            margins: Margins::default(),
         }
     }
 }
 
 impl Findings {
     const KEPT_MAX: usize = 100;
-    /// How much of a line is shown.
+    /// How many bytes of a line a violation shows.
     const SHOWN_MAX: usize = 200;
 
-    /// What is found until [`Findings::passed`] is found with this line.
+    /// Starts judging a line: violations that are found before [`Findings::passed`] show it.
     pub(crate) fn looks_at(&mut self, line: &[u8]) {
         self.line.clear();
         self.line.extend_from_slice(line.get(..Self::SHOWN_MAX).unwrap_or(line));
     }
 
-    /// The line has been looked at.
+    /// Ends the judging of the line.
     pub(crate) fn passed(&mut self) {
         self.line.clear();
     }
 
-    /// There is something to judge by a rule.
+    /// Counts that a rule was judged.
     pub(crate) const fn judge(&mut self, rule: Rule) {
         self.judged[rule as usize] += 1;
     }
@@ -86,7 +89,19 @@ impl Findings {
         (self.judged[rule as usize].max(broken), broken)
     }
 
-    /// Adds one. The text is made only where it is kept.
+    /// Notes how near a case came to what is forbidden. Figures that are not finite are left out.
+    pub(crate) fn near(&mut self, margin: Margin, value: f64, allowed: f64) {
+        if value.is_finite() && allowed.is_finite() {
+            self.margins.note(margin, value, allowed);
+        }
+    }
+
+    /// The nearest cases.
+    pub(crate) const fn margins(&self) -> &Margins {
+        &self.margins
+    }
+
+    /// Adds a violation. The text is made only if the violation is kept.
     pub(crate) fn add(&mut self, at: Moment, rule: Rule, text: impl FnOnce() -> String) {
         self.count += 1;
         self.broken[rule as usize] += 1;

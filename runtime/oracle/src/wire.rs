@@ -1,11 +1,11 @@
-//! The sentences that are judged, read from the specification (SPI 1.12a) and by nothing of `backseat-spi`: what that
-//! crate misreads or miswrites must not be misread here in the same way.
+//! Readers for the sentences that the oracle judges. They follow the specification (SPI 1.12a) and use nothing of
+//! `backseat-spi`, so that they do not repeat an error of that crate.
 //!
-//! What we write is held to the specification's every word ([`read_ours`]): all 37 sentences, each of their fields, and
-//! nothing after the last one. What the vehicle writes is read as any client may read it ([`read_vehicle`]): the eleven
-//! sentences that a rule needs, with noise before them, more fields after them, blanks around numbers.
+//! [`read_ours`] accepts from us only what the specification defines: all 37 sentences with each of their fields, and
+//! nothing after the last field. [`read_vehicle`] reads the vehicle's bytes as any client may read them: the twelve
+//! sentences that a rule needs, with noise before them, more fields after them, and blanks around numbers.
 //!
-//! No bytes make either reader panic, and neither allocates.
+//! Neither reader panics on any bytes, and neither allocates.
 
 mod fields;
 mod line;

@@ -1,10 +1,10 @@
 use crate::plane::{Plane, Point, Vector, between_m, length_m, rim_to_segment_m, to_segment_m};
 use crate::wire::Setpoint;
 
-/// What the wire's resolution and two ways of projecting may differ by, metres.
+/// How much the resolution of the sentences and two ways of projecting can change a distance, metres.
 const SLACK_M: f64 = 0.05;
 
-/// A setpoint or a depth so near to the end of a band may be beyond it, metres.
+/// A setpoint or a depth this near to the end of a band may be beyond it, metres.
 const BAND_SLACK_M: f64 = 1.0;
 
 /// One feature of the fence.
@@ -16,10 +16,10 @@ pub(crate) struct Zone {
     pub(crate) depth_min_m: f64,
     pub(crate) depth_max_m: f64,
     pub(crate) altitude_min_m: f64,
-    /// It holds for a time only, which is not judged: such a keep-out zone counts for nothing, such a keep-in zone
-    /// always.
+    /// The zone is valid for a limited time, which the oracle does not judge: such a keep-out zone never counts, and
+    /// such a keep-in zone always does.
     pub(crate) timed: bool,
-    /// The vehicle may surface in it.
+    /// The vehicle may surface in the zone.
     pub(crate) surfacing: bool,
     rings: Vec<Vec<Point>>,
     min: Point,
@@ -73,7 +73,7 @@ impl Zone {
         }
     }
 
-    /// Whether a point is inside, by how often a line to the east crosses the edges.
+    /// Whether a point is inside, by the number of edges that a line to the east crosses.
     pub(crate) fn contains(&self, point: Point) -> bool {
         if point.x < self.min.x || point.x > self.max.x || point.y < self.min.y || point.y > self.max.y {
             return false;
@@ -84,8 +84,8 @@ impl Zone {
         crossings.count() % 2 == 1
     }
 
-    /// Whether a keep-out zone surely holds at all of some depths, whatever part of a metre rounding takes; at any
-    /// depth where there are none.
+    /// Whether a keep-out zone certainly holds at all of these depths, even if rounding takes a part of a metre.
+    /// Without depths: whether it holds at every depth.
     pub(crate) fn surely_holds(&self, depths_m: &[f64]) -> bool {
         let band = self.depth_min_m + BAND_SLACK_M..=self.depth_max_m - BAND_SLACK_M;
         let holds = if depths_m.is_empty() {
@@ -107,7 +107,8 @@ impl Zone {
         }
     }
 
-    /// Whether a keep-out zone surely holds at the setpoint; one with a band says nothing of an altitude.
+    /// Whether a keep-out zone certainly holds at the setpoint. A zone with a band of depths says nothing about an
+    /// altitude.
     pub(crate) fn forbids(&self, setpoint: Setpoint) -> bool {
         match setpoint {
             Setpoint::Depth(depth_m) => self.depth_min_m < depth_m && depth_m < self.depth_max_m,
@@ -115,7 +116,8 @@ impl Zone {
         }
     }
 
-    /// Whether a place of the plane is inside by so many metres at least; where they are negative, outside by no more.
+    /// Whether a place of the plane is inside by at least so many metres; if `metres` is negative, whether it is
+    /// inside, or outside by less than that.
     pub(crate) fn is_inside_by(&self, plane: &Plane, place: Vector, metres: f64) -> bool {
         let inside = self.contains(plane.point(place));
         if metres < 0.0 {
@@ -128,7 +130,7 @@ impl Zone {
     /// Whether a place of the plane is nearer to an edge than so many metres.
     fn has_edge_within(&self, plane: &Plane, place: Vector, metres: f64) -> bool {
         let [x, y] = place;
-        // Far off its box it cannot be.
+        // A place far outside the zone's box is not.
         let ([west, south], [east, north]) = (plane.vector(self.min), plane.vector(self.max));
         if x < west - metres || x > east + metres || y < south - metres || y > north + metres {
             return false;
@@ -137,7 +139,8 @@ impl Zone {
             .any(|edge| to_segment_m(place, edge.map(|end| plane.vector(end))) < metres)
     }
 
-    /// Whether the shape begins inside, and from it to the nearest edge, metres; zero where they cross.
+    /// Whether the shape begins inside, and the distance from the shape to the nearest edge, metres; zero if they
+    /// cross.
     pub(crate) fn clearance(&self, shape: &Shape<'_>) -> (bool, f64) {
         let mut clear_m = f64::INFINITY;
         let begin = match shape {
@@ -161,7 +164,7 @@ impl Zone {
 }
 
 impl Shape<'_> {
-    /// What the judgement of a margin may be wrong by, metres.
+    /// The possible error of judging a margin, metres.
     pub(crate) fn slack_m(&self, margin_m: f64) -> f64 {
         match self {
             Self::Leg(pieces) => pieces.first().map_or(SLACK_M, |(plane, piece)| {

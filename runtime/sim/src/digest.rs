@@ -16,7 +16,7 @@ pub enum Direction {
 pub struct Digest(Sha256);
 
 impl Digest {
-    /// A write.
+    /// Adds a write.
     pub fn write(&mut self, direction: Direction, at: Timestamp, bytes: &[u8]) {
         let mut head = [0; 13];
         head[0] = match direction {

@@ -1,4 +1,4 @@
-//! The mission's `[expect]` section, judged from the mock's truth.
+//! The `[expect]` section of `world.toml`, compared with the mock's true state.
 
 use backseat_mvc::{ContourExpectation, Expectations, MaximumExpectation, Mvc};
 use backseat_spi::ToVehicle;
@@ -19,7 +19,7 @@ pub(crate) fn judge(report: &mut Report, expect: &Expectations, trace: &Trace, m
     if report.requests_open > 0 {
         report
             .unmet
-            .push(format!("{} requests without an end", report.requests_open));
+            .push(format!("{} requests have not ended", report.requests_open));
     }
     if let Some(least) = expect.min_accepted
         && report.requests.accepted < u64::from(least)
@@ -44,7 +44,7 @@ pub(crate) fn judge(report: &mut Report, expect: &Expectations, trace: &Trace, m
     }
 }
 
-/// The horizontal distance from where the vehicle truly was, while a plugin steered it, to the true contour.
+/// Measures the horizontal distance from the vehicle's true position, while a plugin steered it, to the true contour.
 fn judge_contour(report: &mut Report, expect: &ContourExpectation, trace: &Trace, world: &World) {
     let mut steered_from = None;
     let mut acquired = None;
@@ -96,7 +96,8 @@ fn judge_contour(report: &mut Report, expect: &ContourExpectation, trace: &Trace
     }
 }
 
-/// Distance to the contour: along the gradient to it by Newton's method, from the foot back to the point.
+/// The distance to the contour: Newton's method along the gradient finds a point on the contour, and the distance is
+/// from there.
 fn contour_distance_m(world: &World, from: EastNorth, water_depth_m: f64) -> f64 {
     let mut at = from;
     for _ in 0..20 {
@@ -111,7 +112,7 @@ fn contour_distance_m(world: &World, from: EastNorth, water_depth_m: f64) -> f64
     from.distance_m(at)
 }
 
-/// The distance from the centre of the last trackcircle that was sent to the field's true maximum.
+/// Measures the distance from the centre of the last trackcircle that was sent to the field's true maximum.
 fn judge_maximum(report: &mut Report, expect: &MaximumExpectation, trace: &Trace, mvc: &Mvc) {
     let Some(truth) = mvc.world().field_maximum() else {
         report.unmet.push("the world has no field with a maximum".to_owned());

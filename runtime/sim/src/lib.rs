@@ -1,10 +1,10 @@
 //! Runtime, plugins and mock vehicle in one process on a virtual clock.
 //!
 //! [`Simulation`] is the second driver of `backseat_core::Core`, beside the one at sea: it carries out the same outputs
-//! and gives the same inputs, and only its clock, its link and its vehicle are made. Time jumps from one event to the
-//! next, so a mission takes as long as its computing.
+//! and gives the same inputs, and only the clock, the link and the vehicle are simulated. Time jumps from one event to
+//! the next, so a mission takes only as long as its computation.
 //!
-//! The same mission, seed and components give the same bytes on the link, which the digest shows.
+//! The same mission, seed and components give the same bytes on the link. The digest shows this.
 
 mod digest;
 mod expectation;

@@ -5,12 +5,13 @@ use backseat_mvc::{Fault, FaultyLink};
 use backseat_units::Timestamp;
 use backseat_world::Stream;
 
-/// The least and the most that a write takes to the other side: an onboard Ethernet with a busy computer at each end.
+/// The shortest and the longest time that a write takes to the other side: an onboard Ethernet with a busy computer at
+/// each end.
 const DELAY_MIN: Duration = Duration::from_micros(200);
 pub(crate) const DELAY_MAX: Duration = Duration::from_millis(15);
 
-/// One direction of the vehicle link: what is written comes out whole, in order, a little later. Where the run has
-/// faults of the link, they come first.
+/// One direction of the vehicle link: bytes come out complete, in order, a little later. If the run has faults of the
+/// link, they act before that.
 #[derive(Debug)]
 pub(crate) struct Lane {
     delay: Stream,
@@ -31,17 +32,18 @@ impl Lane {
         }
     }
 
-    /// A new connection, and what goes wrong with it.
+    /// Opens a new connection, with its faults.
     pub(crate) fn open(&mut self, faults: Option<FaultyLink>) {
         self.faults = faults;
     }
 
-    /// A fault from now on, for the connection that is there; `link` makes one without faults.
+    /// Adds a fault to the open connection, from now on. If the connection has no faults yet, `link` makes the link
+    /// that plays them.
     pub(crate) fn inject(&mut self, fault: &Fault, link: impl FnOnce() -> FaultyLink) {
         self.faults.get_or_insert_with(link).inject(fault);
     }
 
-    /// Writes. `seen` is shown what goes on its way now, which is not always what is written.
+    /// Writes bytes. `seen` gets the bytes that go on their way now, which are not always the bytes that are written.
     pub(crate) fn write(&mut self, now: Timestamp, bytes: &[u8], mut seen: impl FnMut(&[u8])) {
         match &mut self.faults {
             None => {
@@ -59,7 +61,7 @@ impl Lane {
         }
     }
 
-    /// Lets on their way what faults have held back until now.
+    /// Sends the bytes on their way that faults have held back until now.
     pub(crate) fn release(&mut self, now: Timestamp, mut seen: impl FnMut(&[u8])) {
         while let Some(link) = &mut self.faults
             && let Some(chunk) = link.poll(now)
@@ -74,7 +76,7 @@ impl Lane {
 
     fn carry(&mut self, now: Timestamp, bytes: &[u8]) {
         let span = DELAY_MAX - DELAY_MIN;
-        // Mostly short: the square of a uniform number.
+        // Most delays are short: the square of a uniform number.
         let share = self.delay.uniform();
         let arrives = now + DELAY_MIN + span.mul_f64(share * share);
         self.last = self.last.max(arrives);
@@ -89,7 +91,7 @@ impl Lane {
         self.under_way.front().map(|(at, _)| *at)
     }
 
-    /// When a fault lets something on its way, or ends the connection.
+    /// When a fault releases bytes, or ends the connection.
     pub(crate) fn next_fault(&self) -> Option<Timestamp> {
         self.faults.as_ref().and_then(FaultyLink::poll_timeout)
     }
@@ -99,7 +101,7 @@ impl Lane {
         self.faults.as_ref().is_some_and(|link| link.is_cut(now))
     }
 
-    /// When a write will not have been acknowledged for so long.
+    /// When a write will have waited for its acknowledgement for `within`.
     pub(crate) fn gives_up(&self, within: Duration) -> Option<Timestamp> {
         self.faults.as_ref().and_then(|link| link.gives_up(within))
     }
@@ -149,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_stall_holds_back_is_seen_and_carried_at_its_end() {
+    fn bytes_that_a_stall_holds_back_are_seen_and_carried_at_its_end() {
         let mut lane = lane("[[fault]]\nkind = \"stall\"\nat_s = 1\nfor_s = 2\n");
         let (mut seen, end) = (Vec::new(), Timestamp::from_secs(3));
         lane.write(Timestamp::from_secs(2), b"ab", |bytes| seen.extend_from_slice(bytes));

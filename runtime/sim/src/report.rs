@@ -2,7 +2,7 @@ use backseat_core::RequestCounts;
 use backseat_oracle::{Statistics, Violation};
 use serde::Serialize;
 
-/// What came of a run.
+/// The result of a run.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
     /// The mission's name.
@@ -19,23 +19,23 @@ pub struct Report {
     pub load_seconds: f64,
     /// How many faults of the run's plan began.
     pub faults: u64,
-    /// How many requests came how far.
+    /// How many requests reached which state.
     pub requests: RequestCounts,
     /// Requests without an end when the run ended; 0 in a good run.
     pub requests_open: usize,
     /// Why requests were rejected, one example of each reason with how often it came.
     pub rejections: Vec<String>,
-    /// How often each plugin failed, by its name in the mission; those that did not are left away.
+    /// How often each plugin failed, by its name in the mission; plugins that did not fail are left out.
     pub plugin_failures: std::collections::BTreeMap<String, u64>,
     /// What the oracle found.
     pub violations: Vec<Violation>,
-    /// What the oracle saw, so that an empty victory is visible.
+    /// How much the oracle saw, which shows whether a run without violations tested anything.
     pub seen: Statistics,
     /// What the mission's expectations measured, by name.
     pub measures: std::collections::BTreeMap<&'static str, f64>,
     /// Expectations that did not hold, in words.
     pub unmet: Vec<String>,
-    /// Of the link.
+    /// The digest of the link.
     pub digest: String,
 }
 

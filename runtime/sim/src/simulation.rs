@@ -28,12 +28,12 @@ use crate::simulation::judge::Judge;
 use crate::simulation::process::{Process, Successor};
 use crate::trace::Trace;
 
-/// The run goes on for this long after the mission is over, so that all that is due is seen.
+/// The run goes on for this long after the mission is over, to see everything that is still due.
 const AFTERMATH: Duration = Duration::from_secs(10);
-/// A mission that takes longer than this in virtual time is given up.
+/// A run ends when it has taken this long in virtual time.
 const LONGEST: Timestamp = Timestamp::from_secs(24 * 3600);
 
-/// A run that cannot be made, or that cannot go on.
+/// Why a run cannot be made, or cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum SimError {
     /// The world cannot be made.
@@ -50,15 +50,15 @@ pub enum SimError {
 /// How far [`Simulation::advance_until`] came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// One thing has happened, and more may at once.
+    /// One thing has happened; more may follow at the same time.
     Went,
-    /// Nothing more happens until the limit, which is now.
+    /// Nothing more happens until the limit; the virtual time is now the limit.
     Reached,
     /// The run is over.
     Over,
 }
 
-/// What outlives a process of the runtime.
+/// What is left when a process of the runtime ends.
 #[derive(Debug)]
 struct Disk {
     /// All SPI identifiers below this may have been used.
@@ -69,20 +69,20 @@ struct Disk {
     full: bool,
 }
 
-/// A run.
+/// A simulated run.
 ///
-/// Whoever drives it may do more than let it run: between two events a fault may be injected, the runtime's process
-/// killed or stopped, its operator act, one of its plugins be replaced by another. All of this happens at
-/// [`Simulation::now`], after all that was due by then.
+/// Between two events, the caller can do more than let it run: inject a fault, kill or stop the runtime's process, act
+/// as its operator, or let another plugin take the place of one. All of this happens at [`Simulation::now`], after
+/// everything that was due by then.
 ///
-/// The log of a run goes on when the process is killed, and says so in a note: inputs and outputs are those of the
-/// process of the moment, in the run's own time. It replays up to the first kill.
+/// The log of a run goes on when the process is killed, and a note in it says so. Its inputs and outputs are those of
+/// the process that runs at the time, in the run's own time. It can be replayed up to the first kill.
 pub struct Simulation {
-    /// None while it has been killed and is not there again.
+    /// `None` after a kill, until the next process begins.
     process: Option<Process>,
     successor: Option<Successor>,
     restarts: u32,
-    /// Requests of the processes that are gone.
+    /// Requests of the processes that were killed.
     counts_before: RequestCounts,
     disk: Disk,
     settings: Settings,
@@ -103,7 +103,7 @@ pub struct Simulation {
     connected: bool,
     over_at: Option<Timestamp>,
     finished: bool,
-    /// What went wrong where it could not be told.
+    /// An error of a function that cannot return it. The next step returns it.
     failed: Option<SimError>,
     scratch: Vec<u8>,
     reasons: BTreeMap<(Rule, String), (u64, String)>,
@@ -115,10 +115,10 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// A run of a mission in its scenario with a seed, its plugins loaded.
+    /// Makes a run of a mission in its scenario, with a seed and loaded plugins.
     ///
     /// # Errors
-    /// [`SimError`] where this seed's world cannot be made.
+    /// [`SimError`] if this seed's world cannot be made, or if the log cannot be written.
     pub fn new(
         mission: &Mission,
         scenario: &Scenario,
@@ -187,8 +187,8 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Replaces what goes wrong in this run; the world's own section is what it begins with. To be called before
-    /// the first [`Simulation::advance`].
+    /// Replaces the faults of this run, which are those of `world.toml` at first. Call it before the first
+    /// [`Simulation::advance`].
     pub fn set_faults(&mut self, plan: FaultPlan) {
         self.faults = LinkFaults::new(&plan, self.seed);
         self.mvc.set_faults(plan);
@@ -200,7 +200,7 @@ impl Simulation {
         self.now
     }
 
-    /// The vehicle as it truly is.
+    /// The true state of the vehicle.
     #[must_use]
     pub fn truth(&self) -> backseat_mvc::Truth {
         self.mvc.truth()
@@ -212,13 +212,13 @@ impl Simulation {
         self.mvc.world()
     }
 
-    /// What the run has left so far.
+    /// What the run has recorded so far.
     #[must_use]
     pub const fn trace(&self) -> &Trace {
         &self.trace
     }
 
-    /// How many requests have come how far, of all processes of the runtime.
+    /// How many requests have reached which state, in all processes of the runtime.
     #[must_use]
     pub fn request_counts(&self) -> RequestCounts {
         let mut counts = self.counts_before;
@@ -228,13 +228,13 @@ impl Simulation {
         counts
     }
 
-    /// How many requests of the runtime's process of the moment are not at their end; 0 where there is none.
+    /// How many requests of the runtime's present process have not ended; 0 if there is none.
     #[must_use]
     pub fn open_requests(&self) -> usize {
         self.process.as_ref().map_or(0, |process| process.core.open_requests())
     }
 
-    /// Whether the runtime's process of the moment has a lease, a modify or station keeping.
+    /// Whether the runtime's present process has a lease: a modify or station keeping.
     #[must_use]
     pub fn is_steering(&self) -> bool {
         self.process.as_ref().is_some_and(|process| process.core.is_steering())
@@ -246,13 +246,13 @@ impl Simulation {
         self.restarts
     }
 
-    /// Where the run stands, by the bytes of the link alone.
+    /// The state of the run, as the bytes of the link alone show it.
     #[must_use]
     pub fn state(&self) -> State {
         self.oracle.state()
     }
 
-    /// The requests that are not at their end, each in words; none while no process runs.
+    /// The requests that have not ended, each in words; empty while no process runs.
     #[must_use]
     pub fn open_request_states(&self) -> Vec<String> {
         self.process
@@ -278,18 +278,18 @@ impl Simulation {
         self.mvc.mission_status()
     }
 
-    /// Goes on to the next event. False when the run is over.
+    /// Goes on to the next event. Returns false when the run is over.
     ///
     /// # Errors
-    /// [`SimError::Recorder`] where the log cannot be written.
+    /// [`SimError::Recorder`] if the log cannot be written.
     pub fn advance(&mut self) -> Result<bool, SimError> {
         Ok(self.advance_until(Timestamp::MAX)? == Step::Went)
     }
 
-    /// Goes on by one event that is due at or before a limit; where there is none left, to the limit.
+    /// Goes on by one event that is due at or before a limit; if there is none left, goes to the limit.
     ///
     /// # Errors
-    /// [`SimError::Recorder`] where the log cannot be written.
+    /// [`SimError::Recorder`] if the log cannot be written.
     pub fn advance_until(&mut self, limit: Timestamp) -> Result<Step, SimError> {
         if let Some(failed) = self.failed.take() {
             return Err(failed);
@@ -304,8 +304,8 @@ impl Simulation {
             return Ok(Step::Over);
         }
         let own = self.process.as_ref().map(Process::due).unwrap_or_default();
-        // At the same instant: the link's faults, what arrives, what returns, who connects, the vehicle, then our own
-        // timers.
+        // The order at the same instant: faults of the link, what arrives, plugins' answers, connecting, the vehicle,
+        // then core's own timers.
         let due = [
             self.link_fault_due(),
             self.to_vehicle.next(),
@@ -351,7 +351,7 @@ impl Simulation {
     /// Runs to the end. `progress` is called about once a virtual minute.
     ///
     /// # Errors
-    /// [`SimError::Recorder`] where the log cannot be written.
+    /// [`SimError::Recorder`] if the log cannot be written.
     pub fn run(&mut self, mut progress: impl FnMut(&Self)) -> Result<(), SimError> {
         let mut next = Timestamp::ZERO;
         while self.advance()? {
@@ -366,7 +366,7 @@ impl Simulation {
     /// Closes the log and judges the run. The caller adds its own clock's seconds.
     ///
     /// # Errors
-    /// [`SimError::Recorder`] where the log cannot be closed.
+    /// [`SimError::Recorder`] if the log cannot be closed.
     pub fn finish(mut self) -> Result<(Report, Trace, Mvc), SimError> {
         if let Some(recorder) = self.recorder.take() {
             recorder.finish()?;
@@ -407,7 +407,7 @@ impl Simulation {
 }
 
 impl Disk {
-    /// What a process may use that begins now.
+    /// The identifiers that a process may use that begins now.
     const fn identifiers(&self) -> Identifiers {
         Identifiers {
             next: self.reservation.below,

@@ -10,10 +10,11 @@ use backseat_units::{EastNorth, LocalFrame, Position, Timestamp};
 use crate::report::Report;
 use crate::trace::{Steering, Trace};
 
-/// Nodes of the ground along its longer side.
+/// How many nodes the ground has along its longer side.
 const NODES: f64 = 160.0;
 
-/// The picture of a run, as SVG: fence, ground, plan, the vehicle's true way by who steered, inserts and rejections.
+/// The picture of a run, as SVG: fence, ground, plan, the vehicle's true track with who steered, inserts and
+/// rejections.
 #[must_use]
 pub fn survey_map(mission: &Mission, scenario: &Scenario, report: &Report, trace: &Trace, mvc: &Mvc) -> String {
     let fence = mission.envelope.fence();
@@ -129,7 +130,7 @@ fn extent_of(zones: &[Zone]) -> Extent {
     }
 }
 
-/// The field where the world has one, else the seabed.
+/// The field if the world has one, otherwise the seabed.
 fn ground(extent: Extent, frame: &LocalFrame, mvc: &Mvc, highlight: Option<f64>) -> Raster {
     let world = mvc.world();
     let (wide_m, high_m) = (extent.east_m - extent.west_m, extent.north_m - extent.south_m);
@@ -195,7 +196,7 @@ fn insert_shape(insert: &ToVehicle, frame: &LocalFrame) -> Option<Shape> {
     })
 }
 
-/// Rules that speak of a place; what was rejected for want of control or by a cap has none.
+/// Rules about a place. A request that was rejected for lack of control or by a cap has none.
 const OF_PLACE: [Rule; 6] = [
     Rule::KeepIn,
     Rule::KeepOut,
@@ -259,8 +260,8 @@ fn holds(extent: Extent, at: EastNorth) -> bool {
     (extent.west_m..=extent.east_m).contains(&at.east_m) && (extent.south_m..=extent.north_m).contains(&at.north_m)
 }
 
-/// The part of a line that is in view: what lies far outside would shrink the map to a dot. Liang and Barsky, ACM
-/// Transactions on Graphics 3(1), 1984.
+/// The part of a line that is in view, because a line that ends far outside would shrink the map to a dot. Liang and
+/// Barsky, ACM Transactions on Graphics 3(1), 1984.
 fn within(extent: Extent, start: EastNorth, end: EastNorth) -> Option<(EastNorth, EastNorth)> {
     let along = end - start;
     let (mut first, mut last) = (0.0_f64, 1.0_f64);

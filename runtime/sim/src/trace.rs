@@ -15,7 +15,7 @@ pub enum Steering {
     Modify,
     /// The front seat, by a plugin's insert.
     Insert,
-    /// Nobody: before and after the mission.
+    /// Nobody: before and after the mission, and while it is suspended.
     Nobody,
 }
 
@@ -30,52 +30,52 @@ pub struct Sample {
     pub position: Position,
     /// Below the surface, metres.
     pub depth_m: f64,
-    /// Of the water there, metres.
+    /// The depth of the water there, metres.
     pub water_depth_m: f64,
     /// Who flew it.
     pub steering: Steering,
 }
 
-/// An insert that was asked for, or a request that was rejected.
+/// A request that was rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
     /// When.
     pub at: Timestamp,
-    /// Where the vehicle believed to be.
+    /// Where core believed the vehicle to be.
     pub from: Option<Position>,
-    /// What was asked for.
+    /// The request, if a plugin's newest step asked for it.
     pub request: Option<Request>,
-    /// What it was.
+    /// The kind of the request.
     pub kind: RequestKind,
     /// Why it was refused.
     pub refusal: Refusal,
 }
 
-/// What a run leaves for its picture and its expectations: the vehicle's true way once a second, what was sent, what
-/// was rejected.
+/// What a run records for its picture and its expectations: the vehicle's true track once a second, the inserts that
+/// were sent, and the requests that were rejected.
 #[derive(Debug, Default)]
 pub struct Trace {
     /// Once a second, oldest first.
     pub samples: Vec<Sample>,
-    /// Every insert that went out, as it was written.
+    /// Every insert that was sent, as it was written.
     pub inserts: Vec<ToVehicle>,
     /// The first thousand rejections.
     pub rejected: Vec<Rejected>,
-    /// The first thousand of what the monitor said of navigation.
+    /// The first thousand notes about navigation.
     pub navigation: Vec<(Timestamp, String)>,
-    /// The mission was to be aborted or killed for the operator: whatever came of it, plugins steer no more.
+    /// An abort or a kill was ordered for the operator. Whatever came of it, plugins do not steer any more.
     pub ending_ordered: bool,
     next_sample: Timestamp,
     asked: Vec<(u64, Request)>,
 }
 
-/// Past this, rejections are only counted.
+/// How many rejections are kept.
 const REJECTED_MAX: usize = 1000;
-/// Past this, what is said of navigation is not kept.
+/// How many notes about navigation are kept.
 const NAVIGATION_MAX: usize = 1000;
 
 impl Trace {
-    /// True where a sample was taken.
+    /// Takes a sample, if the last one is a second old. Returns whether it took one.
     pub(crate) fn truth(&mut self, truth: &Truth) -> bool {
         if truth.time < self.next_sample {
             return false;
@@ -98,7 +98,7 @@ impl Trace {
         true
     }
 
-    /// A sentence of ours, whole.
+    /// Keeps the inserts among the complete sentences that we send.
     pub(crate) fn sent(&mut self, bytes: &[u8]) {
         if !bytes.starts_with(b"$BPRT") && !bytes.starts_with(b"$BPRG") {
             return;
@@ -114,7 +114,7 @@ impl Trace {
         }
     }
 
-    /// What a plugin's step asks for, before it is judged.
+    /// Keeps what a plugin's step asks for, before core judges it.
     pub(crate) fn asked(&mut self, requests: &[Request]) {
         self.asked.clear();
         for request in requests {

@@ -1,14 +1,16 @@
-//! A log of a run, judged by the oracle: of what the runtime sent and heard, by the times at which it did.
+//! Lets the oracle judge the log of a run: what the runtime sent and received, and when.
 //!
-//! In simulation the oracle sees the vehicle's bytes when they leave the vehicle, ours when they leave us, and the truth.
-//! A log has one side alone. The vehicle's bytes are there when the runtime has read them, so that what they say was known
-//! from that moment on; ours are there when core has let them go, whether or not they arrived. So a rule that is about what
-//! was sent, or about what was sent after what was heard, is judged as ever. What the vehicle truly does, and when our
-//! words come to it, nobody has written down: those rules are not judged, even where the log of a simulation has the truth.
+//! In simulation the oracle sees the vehicle's bytes when they leave the vehicle, ours when they leave us, and the
+//! truth. A log has one side only. It has the vehicle's bytes when the runtime has read them, so the runtime knows what
+//! they say from that moment on. It has ours when core has released them, whether or not they arrived. So the oracle
+//! judges as usual every rule about what was sent, or about what was sent after something was received. The log of a
+//! dive has neither what the vehicle truly did nor when our messages reached it. The oracle does not judge rules about
+//! these, even if the log of a simulation has the truth.
 //!
-//! Two things of a real computer are excused. It may note what it does up to [`LATE_S`] late. And where nothing at all is
-//! written down for [`STANDSTILL`], core's own timers included, the process stood still: what it should have said meanwhile
-//! is not held against it, but what it says when it goes on is.
+//! The oracle excuses two things of a real computer. The computer may record what it does up to [`LATE_S`] late. And if
+//! the log has no record at all for [`STANDSTILL`], not even of core's own timers, the process stood still. Then the
+//! oracle does not count what the process should have sent meanwhile, but it does judge what the process sends when it
+//! goes on.
 
 use std::time::Duration;
 
@@ -22,15 +24,17 @@ use serde_json::Value;
 
 use crate::simulation::judge::limits;
 
-/// How late a runtime on a real computer may note what it does, seconds: less than what ends its leases.
+/// How late a runtime on a real computer may record what it does, seconds. This is less than the delay that ends its
+/// leases.
 const LATE_S: f64 = 0.1;
-/// A runtime with a link writes something down far more often: a beat leaves each second, navigation comes ten times in it.
+/// A runtime with a link records something far more often than this: it sends a beat every second, and navigation comes
+/// ten times a second.
 const STANDSTILL: Duration = Duration::from_millis(1100);
 
-/// A log that cannot be judged.
+/// Why a log cannot be judged.
 #[derive(Debug, thiserror::Error)]
 pub enum VerdictError {
-    /// What the run was judged by is not attached.
+    /// The mission or the fence of the run is not attached.
     #[error("no attachment {name}: expected the log of a run, which has its mission and its fence attached")]
     Attachment {
         /// Its name.
@@ -44,24 +48,24 @@ pub enum VerdictError {
     Oracle(#[from] OracleError),
 }
 
-/// What the oracle made of a log.
+/// What the oracle found in a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
     /// The mission's name.
     pub mission: String,
-    /// The simulation's seed; nothing for a dive.
+    /// The simulation's seed; `None` for a dive.
     pub seed: Option<u64>,
     /// How long it was recorded, seconds.
     pub seconds: f64,
-    /// The log has its end.
+    /// Whether the log has its end.
     pub complete: bool,
-    /// Where records are missing, and past which nothing is claimed of what was before.
+    /// Where records are missing. After a gap the oracle assumes nothing about what was before it.
     pub gaps: Vec<Gap>,
     /// How often the process stood still.
     pub standstills: u64,
-    /// Each rule, by how often it was judged.
+    /// Each rule, and how often it was judged.
     pub rules: Vec<Judged>,
-    /// What broke, in the order of time; the first hundred, and how many more.
+    /// The violations in the order of time: the first hundred, and how many more there were.
     pub broken: Vec<Violation>,
 }
 
@@ -77,7 +81,7 @@ pub struct Gap {
 }
 
 impl Verdict {
-    /// Nothing broke.
+    /// Whether no rule was broken.
     #[must_use]
     pub const fn passed(&self) -> bool {
         self.broken.is_empty()
@@ -87,7 +91,7 @@ impl Verdict {
 /// Judges a log by what is attached to it. The truth in the log of a simulation is not used.
 ///
 /// # Errors
-/// [`VerdictError`] where mission or fence are missing or cannot be read.
+/// [`VerdictError`] if mission or fence are missing or cannot be read.
 pub fn judge_log(log: &Log) -> Result<Verdict, VerdictError> {
     let mission = MissionFile::from_toml("mission.toml", text_of(log, "mission.toml")?)?;
     let limits = Limits {
@@ -125,10 +129,10 @@ fn text_of<'a>(log: &'a Log, name: &'static str) -> Result<&'a str, VerdictError
         .ok_or(VerdictError::Attachment { name })
 }
 
-/// The records of a log, given to the oracle one after the other.
+/// Gives the records of a log to the oracle, one after the other.
 struct LogJudge {
     oracle: Oracle,
-    /// The time of the newest record; a record that says an earlier one is of this.
+    /// The time of the newest record. A record with an earlier time counts as of this time.
     now: Timestamp,
     /// A process has begun.
     began: bool,
@@ -138,12 +142,12 @@ struct LogJudge {
 }
 
 impl LogJudge {
-    /// More gaps are not listed: a disk that slow has left next to nothing.
+    /// How many gaps are listed. A disk so slow that there are more has left next to nothing.
     const GAPS_MAX: usize = 1000;
 
     fn take(&mut self, at: Timestamp, record: &Record) {
         if matches!(record, Record::Truth(_) | Record::Vehicle(_)) {
-            // A simulation's: the runtime knows nothing of them.
+            // Only a simulation has these records: the runtime does not know them.
             return;
         }
         let (before, now) = (self.now, self.now.max(at));
@@ -210,7 +214,7 @@ impl LogJudge {
         }
     }
 
-    /// Policies and mission commands act for the operator too: core says so in a note.
+    /// Policies and mission commands can also act for the operator. Core reports that in a note.
     fn note(&mut self, note: &Value) {
         if note.get("note").and_then(Value::as_str) == Some("operator")
             && let Some(act) = note.get("act").and_then(Value::as_str)
@@ -227,7 +231,7 @@ impl LogJudge {
         let (until, since) = (self.now, Duration::try_from_secs_f64(since_s).unwrap_or_default());
         let since = (Timestamp::ZERO + since).clamp(before.min(until), until);
         self.oracle.gap(since.as_nanos(), until.as_nanos());
-        // It comes up again with the first bytes.
+        // The link counts as up again with the first bytes that are received.
         self.up = false;
         if self.gaps.len() < Self::GAPS_MAX {
             self.gaps.push(Gap {

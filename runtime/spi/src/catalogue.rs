@@ -22,7 +22,7 @@ pub struct Entry {
     pub direction: Direction,
     /// The values that it carries, in order.
     pub fields: &'static [EntryField],
-    /// A sentence as it stands on the wire, with its checksum and without the line end.
+    /// A sentence as it is written on the wire, with its checksum and without the line end.
     pub example: &'static str,
 }
 
@@ -35,7 +35,7 @@ pub struct EntryField {
     pub unit: &'static str,
     /// The wire fields that it takes, in the notation of SPI 4.2, Table 1.
     pub formats: &'static [&'static str],
-    /// Which values there are, in the unit: `0..360`. `any` is every number that the wire carries, within ±1e9.
+    /// The range of values, in the unit: `0..360`. `any` is every number that the wire carries, within ±1e9.
     pub range: &'static str,
 }
 
@@ -69,7 +69,7 @@ mod tests {
     use crate::{ChecksumState, Sentence};
 
     #[test]
-    fn names_are_unique_and_tell_the_direction() {
+    fn names_are_unique_and_show_the_direction() {
         let names: BTreeSet<_> = catalogue().iter().map(|entry| entry.name).collect();
         assert_eq!(names.len(), catalogue().len());
         for entry in catalogue() {
@@ -85,7 +85,7 @@ mod tests {
         }
     }
 
-    /// The headings of the specification's sections 5 to 9, typed off it and not off the tables.
+    /// The headings of sections 5 to 9, typed from the specification and not copied from the tables.
     const SECTIONS: [(&str, &str); 5] = [
         ("5", "BFMSC BFSHT BFBDL BFSDL BFTOP BFDVT BFVER"),
         (
@@ -103,7 +103,7 @@ mod tests {
     ];
 
     #[test]
-    fn every_section_of_the_specification_has_its_row_and_every_row_is_whole() {
+    fn every_section_of_the_specification_has_its_row_and_every_row_is_complete() {
         let sections: BTreeSet<(String, &str)> = SECTIONS
             .iter()
             .flat_map(|(chapter, names)| {

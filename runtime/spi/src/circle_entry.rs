@@ -1,16 +1,16 @@
 use serde::{Deserialize, Serialize};
 
-/// The field of BPRTC for the entry angle: the header of SPI 7.6 leaves it out, the table below it has it.
+/// The field of BPRTC for the entry angle. The header of SPI 7.6 leaves it out, and the table below the header has it.
 ///
-/// Serialised as the angle, as nothing, or as `absent`.
+/// Serialised as the angle, as null, or as `absent`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "Serialised", from = "Serialised")]
 pub enum CircleEntry {
-    /// Where on the circle to begin, degrees clockwise from its northmost point.
+    /// The point of the circle where the vehicle begins, degrees clockwise from the northmost point.
     Angle(f64),
-    /// The field is there and empty: the vehicle chooses.
+    /// The field is there and is empty: the vehicle chooses.
     Anywhere,
-    /// The field is not there, as in the header: the interrupt code takes its place.
+    /// The field is missing, as in the header: the interrupt code takes its place.
     Absent,
 }
 

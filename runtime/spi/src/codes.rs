@@ -3,7 +3,8 @@ use serde::{Deserialize, Serialize};
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
 
-/// Numbered choices of the specification. A number that it does not define is kept, for whoever acts on it to refuse.
+/// Numbered choices of the specification. A number that it does not define is kept, so that the code that acts on it
+/// can refuse it.
 macro_rules! codes {
     ($(
         $(#[$doc:meta])*
@@ -25,7 +26,7 @@ macro_rules! codes {
                 match code { $($code => Self::$variant,)* other => Self::Other(other) }
             }
 
-            /// Its number on the wire.
+            /// The choice's number on the wire.
             #[must_use]
             pub const fn code(self) -> i32 {
                 match self { $(Self::$variant => $code,)* Self::Other(other) => other }
@@ -42,9 +43,9 @@ macro_rules! codes {
             }
 
             fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
-                // `Other(0)` would come back as the choice that 0 means.
+                // `Other(0)` would be read back as the choice that 0 means.
                 if Self::from_code(value.code()) != *value {
-                    return Err(Fault::expected("the choice's own name: its number is defined"));
+                    return Err(Fault::expected("the named choice, because its number is defined"));
                 }
                 writer.signed(value.code());
                 Ok(())
@@ -68,12 +69,12 @@ codes! {
         Gps = 1,
     }
 
-    /// What became of a command (SPI 6.21).
+    /// The outcome of a command (SPI 6.21).
     ///
-    /// A number that is not defined says neither that the command was done nor that it was refused: the command is then
-    /// as unresolved as without the acknowledgement.
+    /// An undefined number does not say whether the command was done or refused, so the command stays as unresolved as
+    /// without the acknowledgement.
     AckStatus {
-        /// Unknown message, or parameters that are wrong.
+        /// Unknown message, or wrong parameters.
         Invalid = 0,
         /// Understood, tried, and failed.
         Failed = 1,
@@ -95,19 +96,20 @@ codes! {
         Trackcircle = 3,
     }
 
-    /// What the vertical value of a BPRTK or BPRTC is (SPI 7.5, 7.6).
+    /// The meaning of the vertical value of a BPRTK or BPRTC (SPI 7.5, 7.6).
     VerticalMode {
         /// Depth below the surface, metres.
         Depth = 0,
-        /// Height above the seabed, metres.
+        /// Altitude above the seabed, metres.
         Altitude = 1,
     }
 
-    /// What the speed of a BPRTK or BPRTC is (SPI 7.5, 7.6). BPRMB counts the other way round: [`ModifySpeedMode`].
+    /// The unit of the speed of a BPRTK or BPRTC (SPI 7.5, 7.6). BPRMB numbers the two units the other way round:
+    /// [`ModifySpeedMode`].
     SpeedMode {
         /// Speed through the water, metres per second.
         MetresPerSecond = 0,
-        /// Turns of the thruster a minute.
+        /// Turns of the thruster per minute.
         Rpm = 1,
     }
 
@@ -115,15 +117,15 @@ codes! {
     Interrupt {
         /// After the current behavior.
         AfterCurrent = 0,
-        /// At once. An error while another interrupting insert runs; the interrupted behavior is not resumed.
+        /// At once. An error while another interrupting insert runs. The interrupted behavior is not resumed.
         InterruptCurrent = 4,
     }
 
-    /// What the vertical value of a BPRMB is (SPI 7.12).
+    /// The meaning of the vertical value of a BPRMB (SPI 7.12).
     ModifyVerticalMode {
         /// Depth below the surface, metres.
         Depth = 0,
-        /// Height above the seabed, metres.
+        /// Altitude above the seabed, metres.
         Altitude = 1,
         /// Pitch, degrees.
         Pitch = 2,
@@ -131,15 +133,15 @@ codes! {
         Elevator = 3,
     }
 
-    /// What the speed of a BPRMB is (SPI 7.12). BPRTK and BPRTC count the other way round: [`SpeedMode`].
+    /// The unit of the speed of a BPRMB (SPI 7.12). BPRTK and BPRTC number the two units the other way round: [`SpeedMode`].
     ModifySpeedMode {
-        /// Turns of the thruster a minute.
+        /// Turns of the thruster per minute.
         Rpm = 0,
         /// Speed through the water, metres per second.
         MetresPerSecond = 1,
     }
 
-    /// What the horizontal value of a BPRMB is (SPI 7.12).
+    /// The meaning of the horizontal value of a BPRMB (SPI 7.12).
     HorizontalMode {
         /// A heading, degrees.
         Heading = 0,
@@ -159,21 +161,21 @@ codes! {
         AcousticModem = 3,
     }
 
-    /// How far a trim or buoyancy adjustment is (SPI 6.22, 6.23).
+    /// The state of a trim or buoyancy adjustment (SPI 6.22, 6.23).
     AdjustmentStatus {
-        /// None runs.
+        /// No adjustment runs.
         Idle = 0,
-        /// It runs.
+        /// An adjustment runs.
         InProgress = 1,
-        /// It has ended well.
+        /// The adjustment has ended successfully.
         Completed = 2,
-        /// It has failed.
+        /// The adjustment has failed.
         Failed = 3,
     }
 
-    /// What is wrong with a trim or buoyancy adjustment (SPI 6.22, 6.23).
+    /// The error of a trim or buoyancy adjustment (SPI 6.22, 6.23).
     AdjustmentError {
-        /// Nothing.
+        /// No error.
         None = 0,
         /// The operation failed.
         Failed = 1,
@@ -185,11 +187,11 @@ codes! {
         Idle = 4,
     }
 
-    /// What became of one frame of a packet that was sent (SPI 9.2).
+    /// The outcome of one frame of a sent packet (SPI 9.2).
     FrameSentStatus {
         /// There was no such frame.
         Unset = 0,
-        /// Sent; no acknowledgement was asked for.
+        /// Sent; no acknowledgement was requested.
         Unacknowledged = 1,
         /// Sent and acknowledged.
         Acked = 2,
@@ -213,9 +215,9 @@ codes! {
     SurfaceMode {
         /// In a straight line.
         StraightLine = 0,
-        /// In a spiral: not in this version.
+        /// In a spiral; not available in this version.
         Spiral = 1,
-        /// Not by itself.
+        /// The vehicle does not surface by itself.
         Manual = 2,
     }
 
@@ -223,7 +225,7 @@ codes! {
     AbortReason {
         /// The mission was successful.
         Successful = 0,
-        /// Something is wrong: also what a missing or empty reason means.
+        /// Something is wrong. A missing or empty reason means this too.
         Errors = 1,
     }
 
@@ -266,16 +268,16 @@ impl Default for FrameReceivedStatus {
     }
 }
 
-/// What the vertical value of a BPGBP is (SPI 8.7): `D` or `A` on the wire.
+/// The meaning of the vertical value of a BPGBP (SPI 8.7): `D` or `A` on the wire.
 ///
-/// The one choice that is closed. It is a letter, so that there is no number to keep, and a vehicle that took a depth
-/// for an altitude would go to the wrong place: what is neither is refused.
+/// The only choice without `Other`. It is a letter, so there is no number to keep. A vehicle that took a depth for an
+/// altitude would go to the wrong place, so any other letter is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerticalReference {
     /// Depth below the surface, metres.
     Depth,
-    /// Height above the seabed, metres.
+    /// Altitude above the seabed, metres.
     Altitude,
 }
 
@@ -313,7 +315,7 @@ mod tests {
     use crate::forms::{read, written};
 
     #[test]
-    fn speed_modes_of_inserts_and_modifies_are_each_others_reverse() {
+    fn inserts_and_modifies_number_their_speed_modes_in_opposite_ways() {
         assert_eq!((SpeedMode::MetresPerSecond.code(), SpeedMode::Rpm.code()), (0, 1));
         assert_eq!(
             (ModifySpeedMode::MetresPerSecond.code(), ModifySpeedMode::Rpm.code()),
@@ -330,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_not_defined_is_kept() {
+    fn an_undefined_number_is_kept() {
         assert_eq!(read::<AckStatus>("7"), Ok(AckStatus::Other(7)));
         assert_eq!(
             read::<FrameReceivedStatus>("-2147483648"),

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 /// The creation time of a command as the vehicle's acknowledgement echoes it (SPI 6.21).
 ///
-/// The specification prints two decimals for it, real vehicles write three. What it echoes can be told only to the last
-/// decimal that it has.
+/// The specification prints two decimals for it, and real vehicles write three. An echo shows the command's time only
+/// to its last decimal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct EchoedTime {
@@ -15,16 +15,16 @@ pub struct EchoedTime {
 }
 
 impl EchoedTime {
-    /// What stands for a command that had no time: `000000.000`.
+    /// The echo of a command that had no time: `000000.000`.
     pub const NONE: Self = Self::of(TimeOfDay::MIDNIGHT);
 
-    /// An echo with three decimals, as most are.
+    /// Makes an echo with three decimals, as most are.
     #[must_use]
     pub const fn of(time: TimeOfDay) -> Self {
         Self::with_decimals(time, 3)
     }
 
-    /// An echo with so many decimals, nine at most; what the time has beyond them is cut off.
+    /// Makes an echo with this number of decimals, nine at most. The further decimals of the time are cut off.
     #[must_use]
     pub const fn with_decimals(time: TimeOfDay, decimals: u8) -> Self {
         let decimals = if decimals > 9 { 9 } else { decimals };
@@ -36,37 +36,37 @@ impl EchoedTime {
         }
     }
 
-    /// The time as it stands.
+    /// The time as it was written.
     #[must_use]
     pub const fn time(self) -> TimeOfDay {
         self.time
     }
 
-    /// How many decimals of a second it is written with, 0 to 9.
+    /// The number of decimals of a second that it has, 0 to 9.
     #[must_use]
     pub const fn decimals(self) -> u8 {
         self.decimals
     }
 
-    /// Whether it says that the command had no time.
+    /// Whether the echo says that the command had no time.
     #[must_use]
     pub fn is_none(self) -> bool {
         self.time == TimeOfDay::MIDNIGHT
     }
 
-    /// Whether this echoes a command that was made at `created`: equal but for what the echo's decimals leave out,
-    /// cut off or rounded. What says that there was no time echoes none.
+    /// Whether this echoes a command that was made at `created`. The times must be equal except for what the echo's
+    /// decimals leave out by cutting off or rounding. An echo that says that there was no time echoes no command.
     #[must_use]
     pub fn echoes(self, created: TimeOfDay) -> bool {
         let unit = unit_nanos(self.decimals).min(1_000_000_000);
-        // Our own times are whole milliseconds: finer decimals are noise of the vehicle's arithmetic.
+        // Our own times are whole milliseconds, so finer decimals are noise of the vehicle's arithmetic.
         let unit = unit.max(1_000_000);
         !self.is_none() && self.time.nanos_since(created).unsigned_abs() < unit
     }
 }
 
 impl fmt::Display for EchoedTime {
-    /// `08:10:25.95`, with the decimals that it has.
+    /// `08:10:25.95`, with the echo's number of decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (hour, minute, second, nanos) = self.time.hms_nano();
         write!(f, "{hour:02}:{minute:02}:{second:02}")?;
@@ -115,23 +115,23 @@ mod tests {
                 "{decimals}"
             );
         }
-        // Rounded.
+        // Echoes that were rounded.
         assert!(EchoedTime::with_decimals(at(29_425_990_000_000), 2).echoes(created));
         assert!(EchoedTime::with_decimals(at(29_426_000_000_000), 0).echoes(created));
-        // Another command's.
+        // Echoes of other commands.
         assert!(!EchoedTime::of(at(29_425_986_000_000)).echoes(created));
         assert!(!EchoedTime::with_decimals(at(29_425_970_000_000), 2).echoes(created));
         assert!(!EchoedTime::with_decimals(at(29_427_000_000_000), 0).echoes(created));
     }
 
     #[test]
-    fn what_says_that_there_was_no_time_echoes_none() {
+    fn an_echo_without_a_time_echoes_no_command() {
         assert!(!EchoedTime::NONE.echoes(TimeOfDay::MIDNIGHT));
         assert!(!EchoedTime::with_decimals(TimeOfDay::MIDNIGHT, 0).echoes(at(300_000_000)));
     }
 
     #[test]
-    fn as_text_it_keeps_its_decimals() {
+    fn an_echo_as_text_keeps_its_decimals() {
         for decimals in 0..=9 {
             let echo = EchoedTime::with_decimals(at(29_425_987_654_321), decimals);
             assert_eq!(EchoedTime::try_from(echo.to_string()), Ok(echo));

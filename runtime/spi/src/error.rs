@@ -9,7 +9,7 @@ pub enum Fault {
     /// The field is empty and must not be: empty is not zero.
     #[error("the field is empty")]
     Empty,
-    /// The text, or the value to write, has not the form that the field needs.
+    /// The text, or the value to write, does not have the form that the field needs.
     #[error("expected {expected}")]
     Malformed {
         /// What the field needs.
@@ -36,21 +36,21 @@ pub struct DecodeError {
     pub field: &'static str,
     /// The field's number on the wire, 1 for the first after the sentence's name.
     pub number: usize,
-    /// The text that was found, cut to [`DecodeError::FOUND_CHARS`] characters; empty where the field is missing.
+    /// The text that was found, cut to [`DecodeError::FOUND_CHARS`] characters; empty if the field is missing.
     pub found: Box<str>,
     /// What is wrong with it.
     pub fault: Fault,
 }
 
 impl DecodeError {
-    /// How much of a wrong field the error keeps, characters.
+    /// How many characters of a wrong field the error keeps.
     pub const FOUND_CHARS: usize = 32;
 }
 
 /// A message that could not be encoded. Nothing was written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EncodeError {
-    /// A value that the wire cannot carry without being misread.
+    /// A value that cannot be written without being misread.
     #[error("{message} field {field}: {fault}")]
     Field {
         /// The sentence's name.
@@ -68,7 +68,7 @@ pub enum EncodeError {
         /// The length of the line, bytes.
         length: usize,
     },
-    /// An unknown message that bears the name of a known one: the other side would take it for that.
+    /// An unknown message with the name of a known one: the other side would read it as the known one.
     #[error("{message} is a known message of this direction: use its own type")]
     Known {
         /// The sentence's name.

@@ -6,18 +6,18 @@ use crate::number;
 use crate::sentence::Sentence;
 use crate::word;
 
-/// How one value of a message stands on the wire: which fields it takes, and how they are read and written.
+/// How one value of a message is written on the wire: which fields it takes, and how they are read and written.
 ///
-/// An irregular message gets a form of its own here, so that the table needs no exception. A type whose wire form
-/// is always the same is its own form.
+/// An irregular message gets a form of its own, so that the table needs no exception. A type that is always written in
+/// the same way is its own form.
 pub(crate) trait Field {
-    /// What the program sees.
+    /// The type of the value in the program.
     type Value;
 
-    /// The wire fields that the value takes, in the notation of the specification; for the catalogue.
+    /// The wire fields that the value takes, in the notation of the specification, for the catalogue.
     const FORMATS: &'static [&'static str];
 
-    /// Which values there are: as text for the catalogue, in the unit of the message's field.
+    /// The range of values, as text for the catalogue, in the unit of the message's field.
     const RANGE: &'static str;
 
     /// Takes the value's fields from the reader.
@@ -26,7 +26,7 @@ pub(crate) trait Field {
     /// Writes exactly the fields of [`Field::FORMATS`].
     fn encode(value: &Self::Value, writer: &mut Writer<'_>) -> Result<(), Fault>;
 
-    /// The time at which the message was made, where the value is that.
+    /// The time at which the message was made, if the value is that time.
     fn created(_value: &Self::Value) -> Option<backseat_units::TimeOfDay> {
         None
     }
@@ -38,15 +38,15 @@ pub(crate) trait Field {
 
 /// The fields of a sentence, taken one after the other.
 ///
-/// Works on bytes: all delimiters are ASCII, and only free text needs to be looked at as characters again.
+/// Works on bytes, because all delimiters are ASCII and only free text must be read as characters.
 pub(crate) struct Reader<'a> {
     /// All fields with the commas between them.
     fields: &'a [u8],
-    /// Where the next field starts: after the last comma there is one more, which may be empty, and then none.
+    /// Where the next field starts. After the last comma one more field follows, which may be empty, and then none.
     at: usize,
-    /// Where the field starts that was taken last.
+    /// Where the last taken field starts.
     last: usize,
-    /// There is not even an empty field.
+    /// Whether there is no field at all, not even an empty one.
     absent: bool,
 }
 
@@ -61,7 +61,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The next field as it stands.
+    /// The next field, unchanged.
     pub(crate) fn bytes(&mut self) -> Result<&'a [u8], Fault> {
         let rest = self.rest()?;
         let length = find_comma(rest).unwrap_or(rest.len());
@@ -74,14 +74,14 @@ impl<'a> Reader<'a> {
         self.bytes().map(as_text)
     }
 
-    /// All that is left as text, with the commas in it.
+    /// The rest as text, including its commas.
     pub(crate) fn text_to_end(&mut self) -> Result<&'a str, Fault> {
         let rest = self.rest()?;
         self.skip(rest.len());
         Ok(as_text(rest))
     }
 
-    /// The next field without blanks around it; an error where nothing is left.
+    /// The next field without blanks around it; an error if nothing is left.
     pub(crate) fn trimmed(&mut self) -> Result<&'a [u8], Fault> {
         let bytes = trim(self.bytes()?);
         if bytes.is_empty() { Err(Fault::Empty) } else { Ok(bytes) }
@@ -96,7 +96,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the next field where it is a short number. Apart from [`Self::decimal`] because this comes back in registers.
+    /// Takes the next field if it is a short number. Separate from [`Self::decimal`] so that the result is returned in
+    /// registers.
     #[inline(never)]
     fn short_decimal(&mut self) -> Option<f64> {
         let (value, length) = number::scan_short(self.window()?)?;
@@ -172,7 +173,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the next field where it is a single digit.
+    /// Takes the next field if it is a single digit.
     fn digit(&mut self) -> Option<u8> {
         let [character] = self.peek()?;
         let digit = character.wrapping_sub(b'0');
@@ -187,8 +188,8 @@ impl<'a> Reader<'a> {
         self.at > self.fields.len()
     }
 
-    /// The next bytes, where a field of exactly that length may begin with them; for [`Self::skip`] once it is known that
-    /// there is no comma among them.
+    /// The next bytes, if they may be a field of exactly that length. The caller must make sure that there is no comma
+    /// among them before it calls [`Self::skip`].
     pub(crate) fn peek<const N: usize>(&self) -> Option<&'a [u8; N]> {
         let rest = self.fields.get(self.at..)?;
         match rest.get(N) {
@@ -197,7 +198,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the next field, of which the length is known.
+    /// Takes the next field, whose length is known.
     pub(crate) const fn skip(&mut self, length: usize) {
         self.last = self.at;
         self.at += length + 1;
@@ -209,7 +210,7 @@ impl<'a> Reader<'a> {
         rest.map_or(0, |rest| 1 + memchr::memchr_iter(b',', rest).count())
     }
 
-    /// Whether the next field is there and blank.
+    /// Whether there is a next field and it is blank.
     pub(crate) fn next_is_blank(&self) -> bool {
         self.fields.get(self.at..).is_some_and(|rest| match rest {
             [] | [b',', ..] => true,
@@ -218,12 +219,12 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The error for a fault in the field that was taken last.
+    /// The error for a fault in the last taken field.
     #[cold]
     pub(crate) fn error(&self, message: &'static str, field: &'static str, fault: Fault) -> DecodeError {
         let (before, last) = self.fields.split_at_checked(self.last).unwrap_or((self.fields, b""));
         let commas = memchr::memchr_iter(b',', before).count();
-        // A field that is missing comes after the last one.
+        // A missing field comes after the last one.
         let missing = usize::from(self.last > self.fields.len() && !self.absent);
         let found = as_text(&last[..find_comma(last).unwrap_or(last.len())]);
         let found = found
@@ -240,7 +241,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// All from the next field on.
+    /// Everything from the next field on.
     fn rest(&mut self) -> Result<&'a [u8], Fault> {
         match self.fields.get(self.at..) {
             Some(rest) => Ok(rest),
@@ -251,7 +252,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The next eight bytes, as far as there are so many.
+    /// The next eight bytes; `None` if there are fewer.
     fn window(&self) -> Option<u64> {
         let chunk = self.fields.get(self.at..)?.first_chunk()?;
         Some(u64::from_le_bytes(*chunk))
@@ -259,7 +260,7 @@ impl<'a> Reader<'a> {
 }
 
 fn as_text(bytes: &[u8]) -> &str {
-    core::str::from_utf8(bytes).expect("cut at commas out of a str")
+    core::str::from_utf8(bytes).expect("a piece of a str that is cut at commas is valid UTF-8")
 }
 
 /// Blanks around numbers are legal (SPI 4.2, Table 1: "the first non-whitespace character"). Most have none.
@@ -270,7 +271,7 @@ pub(crate) fn trim(bytes: &[u8]) -> &[u8] {
     }
 }
 
-/// Eight bytes at a time: most fields are short, so that a vector search costs more to start than it saves.
+/// Searches eight bytes at a time. Most fields are short, so a vector search costs more to start than it saves.
 fn find_comma(bytes: &[u8]) -> Option<usize> {
     let mut rest = bytes;
     let mut searched = 0;
@@ -288,7 +289,7 @@ fn find_comma(bytes: &[u8]) -> Option<usize> {
     rest.iter().position(|byte| *byte == b',').map(|at| searched + at)
 }
 
-/// Appends the fields of a sentence, each with its comma before it.
+/// Appends the fields of a sentence, each after its comma.
 pub(crate) struct Writer<'a> {
     out: &'a mut Vec<u8>,
 }
@@ -298,29 +299,29 @@ impl<'a> Writer<'a> {
         Self { out }
     }
 
-    /// A field of one ASCII character that is no delimiter.
+    /// Writes a field of one ASCII character, which must not be a delimiter.
     pub(crate) fn character(&mut self, character: u8) {
         self.out.extend_from_slice(&[b',', character]);
     }
 
-    /// A field of ASCII text. It holds no delimiter unless it ends the sentence.
+    /// Writes a field of ASCII text. It may hold a delimiter only if it ends the sentence.
     pub(crate) fn text(&mut self, text: &str) {
         self.out.push(b',');
         self.out.extend_from_slice(text.as_bytes());
     }
 
-    /// A field with nothing in it.
+    /// Writes an empty field.
     pub(crate) fn empty(&mut self) {
         self.out.push(b',');
     }
 
-    /// A whole number.
+    /// Writes a whole number.
     pub(crate) fn integer(&mut self, value: u32) {
         self.out.push(b',');
         number::write_integer(self.out, u64::from(value));
     }
 
-    /// A whole number that may be negative.
+    /// Writes a whole number that may be negative.
     pub(crate) fn signed(&mut self, value: i32) {
         self.out.push(b',');
         if value < 0 {
@@ -329,13 +330,13 @@ impl<'a> Writer<'a> {
         number::write_integer(self.out, u64::from(value.unsigned_abs()));
     }
 
-    /// A number with at most `decimals` places, zeros at the end left out.
+    /// Writes a number with at most `decimals` places, without trailing zeros.
     pub(crate) fn decimal(&mut self, value: f64, decimals: u8) -> Result<(), Fault> {
         self.out.push(b',');
         number::write_decimal(self.out, value, decimals)
     }
 
-    /// Bytes as upper-case hexadecimal digits.
+    /// Writes bytes as upper-case hexadecimal digits.
     pub(crate) fn hex(&mut self, bytes: &[u8]) {
         self.out.push(b',');
         self.out.reserve(bytes.len() * 2);
@@ -344,7 +345,7 @@ impl<'a> Writer<'a> {
             .for_each(|byte| self.out.extend_from_slice(&hex::digits(*byte)));
     }
 
-    /// The buffer, after the comma of a new field.
+    /// Begins a new field with its comma, and returns the buffer.
     pub(crate) fn field(&mut self) -> &mut Vec<u8> {
         self.out.push(b',');
         self.out
@@ -385,7 +386,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_comma_is_found_wherever_it_stands(text in "[-,+.\u{80}\u{ff}a]{0,80}") {
+        fn the_comma_is_found_at_every_position(text in "[-,+.\u{80}\u{ff}a]{0,80}") {
             prop_assert_eq!(find_comma(text.as_bytes()), text.find(','));
         }
     }

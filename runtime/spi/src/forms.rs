@@ -19,14 +19,14 @@ pub(crate) use several::{Each, Optional, OrDefault};
 pub(crate) use time::Created;
 pub(crate) use words::{LastText, Word};
 
-/// Reads the first fields of a line's body by one form.
+/// Reads the first fields of a line's body by a form.
 #[cfg(test)]
 pub(crate) fn read<F: crate::field::Field>(body: &str) -> Result<F::Value, crate::Fault> {
     let line = format!("$X,{body}");
     F::decode(&mut crate::field::Reader::new(&crate::Sentence::parse(&line).unwrap()))
 }
 
-/// Writes one value by its form.
+/// Writes a value by its form.
 #[cfg(test)]
 pub(crate) fn written<F: crate::field::Field>(value: &F::Value) -> Result<String, crate::Fault> {
     let mut out = Vec::new();

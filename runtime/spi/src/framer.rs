@@ -7,23 +7,24 @@ use crate::MAX_LINE;
 use crate::framer::line::{judge, judge_parts};
 use crate::sentence::Sentence;
 
-/// Cuts a stream of bytes into sentences, however the bytes arrive.
+/// Cuts a stream of bytes into sentences. The bytes may arrive in pieces of any size.
 ///
-/// Push what was read, then take sentences until there are none. What is no sentence, or none that the policy allows, is
-/// dropped and counted, and reading goes on at the next `$`. No bytes make it panic, and memory is bounded by
-/// [`Framer::MAX_MEMORY`] (safety requirement 013). The time that a stream takes grows no faster than its length.
+/// Push what was read, then take sentences until there are none. Bytes that are not a sentence, and sentences that the
+/// policy does not allow, are dropped and counted, and reading continues at the next `$`. No bytes make the framer
+/// panic, and [`Framer::MAX_MEMORY`] bounds its memory (safety requirement 013). The time that a stream takes grows no
+/// faster than its length.
 ///
-/// A `$` inside a line is part of a text, or it begins a sentence after one that was cut short. The line's checksum, which
-/// stands after the last asterisk, tells which:
+/// A `$` inside a line is part of a text, or it begins a sentence after one that was cut short. The line's checksum,
+/// after the last asterisk, shows which:
 ///
 /// 1. The sentence begins at the first `$` from which the checksum is right, and ends with the line.
-/// 2. If the checksum is right from several, the first of them wins whose sentence can hold the `$` that comes next: it
-///    stands in a text, or the message is not known. If none can, the first of all wins. A checksum is right from a wrong
-///    `$` by chance, after one cut sentence in 256, or because a fragment stands there twice and cancels itself out.
+/// 2. If the checksum is right from several, the first of them wins whose sentence can hold the next `$`: that `$` is
+///    in a text, or the message is unknown. If none can, the first of all wins. The checksum is right from a wrong `$`
+///    by chance, after one cut sentence in 256, or because a fragment occurs twice and cancels itself out.
 /// 3. If it is right from none, or if the line has no checksum, the sentence begins at the last `$`.
 ///
-/// Each `$` before the sentence counts as cut short. So does each `$` inside it from which the checksum is right too:
-/// perhaps a sentence was lost there.
+/// Each `$` before the sentence counts as a sentence that was cut short. So does each `$` inside it from which the
+/// checksum is right too, because a sentence may have been lost there.
 #[derive(Clone, Debug)]
 pub struct Framer {
     policy: Policy,
@@ -35,38 +36,38 @@ pub struct Framer {
 /// What a sentence must have to pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {
-    /// Sent by a vehicle: a right checksum of two digits (SPI 4.2: each of its messages has one).
+    /// Sent by a vehicle: a correct checksum of two digits (SPI 4.2: each of its messages has one).
     FromVehicle,
-    /// Sent by a payload: the checksum may be absent, or one digit where the first would be zero.
+    /// Sent by a payload: the checksum may be absent, or have one digit if the first would be zero.
     FromPayload,
 }
 
-/// What a [`Framer`] has met since it was made.
+/// What a [`Framer`] has found since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameCounts {
-    /// Sentences given out.
+    /// Sentences that were returned.
     pub sentences: u64,
-    /// Dropped: the checksum is wrong, or not of two digits where the policy wants that.
+    /// Dropped: the checksum is wrong, or does not have the two digits that the policy requires.
     pub checksum_invalid: u64,
-    /// Dropped: no checksum where the policy wants one.
+    /// Dropped: no checksum although the policy requires one.
     pub checksum_absent: u64,
-    /// Dropped: no name, or not letters and digits in it.
+    /// Dropped: no name, or one that is not letters and digits.
     pub malformed: u64,
     /// Dropped: longer than [`MAX_LINE`].
     pub too_long: u64,
     /// Dropped: not UTF-8.
     pub not_utf8: u64,
-    /// Dropped: cut short by the `$` of the next sentence, or perhaps lost inside the one that was given out.
+    /// Dropped: cut short by the `$` of the next sentence, or perhaps lost inside the sentence that was returned.
     pub cut_short: u64,
-    /// Good sentences dropped, the oldest first, because they were not taken before more than
-    /// [`Framer::MAX_BACKLOG`] had come.
+    /// Good sentences that were dropped, the oldest first, because more than [`Framer::MAX_BACKLOG`] bytes came before
+    /// they were taken.
     pub overflowed: u64,
-    /// Bytes outside sentences, line ends not counted; the rest of a line that was too long is noise too.
+    /// Bytes outside sentences, without line ends. The rest of a line that was too long counts too.
     pub noise_bytes: u64,
 }
 
 impl FrameCounts {
-    /// Whatever was no sentence to give out, counted up: where it stays the same, nothing has been lost.
+    /// The sum of all counts except `sentences`: as long as it stays the same, nothing has been lost.
     #[must_use]
     pub const fn lost(&self) -> u64 {
         let Self {
@@ -84,29 +85,29 @@ impl FrameCounts {
     }
 }
 
-/// Where reading stands in the buffer.
+/// The position of reading in the buffer.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cursor {
-    /// All before has been dealt with.
+    /// Everything before this is done.
     start: usize,
-    /// There is no line feed between `start` and this, and no `$` after `start` but from `inner` on: not to be searched
-    /// again.
+    /// There is no line feed between `start` and this, and no `$` after `start` and before `inner`: that part need not
+    /// be searched again.
     searched: usize,
-    /// The first `$` after `start`, where there is one before `searched`.
+    /// The first `$` after `start`, if there is one before `searched`.
     inner: Option<usize>,
 }
 
 impl Framer {
-    /// How much is kept of what was pushed and not yet taken, bytes. More drops the oldest sentences.
+    /// How many bytes are kept that were pushed and not taken. More bytes drop the oldest sentences.
     pub const MAX_BACKLOG: usize = 1 << 20;
 
     /// The most memory that a framer takes, bytes, whatever is pushed.
     pub const MAX_MEMORY: usize = 4 * Self::MAX_BACKLOG;
 
-    /// How much of one push is looked at in one go, bytes.
+    /// How many bytes of one push are processed at a time.
     const CHUNK: usize = 1 << 16;
 
-    /// An empty framer.
+    /// Makes an empty framer.
     #[must_use]
     pub const fn new(policy: Policy) -> Self {
         Self {
@@ -131,7 +132,7 @@ impl Framer {
         }
     }
 
-    /// Adds bytes as they were read, any number of them.
+    /// Adds any number of bytes, as they were read.
     pub fn push(&mut self, bytes: &[u8]) {
         for chunk in bytes.chunks(Self::CHUNK) {
             self.make_room(chunk.len());
@@ -146,19 +147,19 @@ impl Framer {
         Some(sentence)
     }
 
-    /// What has been met so far.
+    /// What the framer has found so far.
     #[must_use]
     pub const fn counts(&self) -> FrameCounts {
         self.counts
     }
 
-    /// Forgets what has been pushed and not taken, for a new connection. Counts go on.
+    /// Forgets what was pushed and not taken, for a new connection. The counts stay.
     pub fn clear(&mut self) {
         self.buffer.clear();
         self.cursor = Cursor::default();
     }
 
-    /// The memory that it takes now, bytes; never over [`Framer::MAX_MEMORY`].
+    /// The memory that the framer takes now, bytes; never more than [`Framer::MAX_MEMORY`].
     #[must_use]
     pub const fn memory(&self) -> usize {
         self.buffer.capacity()
@@ -166,13 +167,13 @@ impl Framer {
 
     fn make_room(&mut self, needed: usize) {
         while self.buffer.len() - self.cursor.start + needed > Self::MAX_BACKLOG {
-            // At the end of this loop at most one line that is not whole is left.
+            // At the end of this loop at most one incomplete line is left.
             if next(&self.buffer, &mut self.cursor, &mut self.counts, self.policy).is_none() {
                 break;
             }
             self.counts.overflowed += 1;
         }
-        // Moving what is left costs no more than has been taken since the last time.
+        // Moving the rest costs no more than the bytes that have been taken since the last move.
         if self.cursor.start > 0 && self.cursor.start >= self.buffer.len() / 2 {
             self.buffer.drain(..self.cursor.start);
             self.cursor.searched = self.cursor.searched.saturating_sub(self.cursor.start);
@@ -182,8 +183,8 @@ impl Framer {
     }
 }
 
-/// Takes the next good sentence, and counts what it passes over. Inlined, because a sentence comes back through memory
-/// otherwise.
+/// Takes the next good sentence, and counts what it drops before it. Inlined, because otherwise the sentence would be
+/// returned through memory.
 #[inline(always)]
 fn next<'a>(buffer: &'a [u8], cursor: &mut Cursor, counts: &mut FrameCounts, policy: Policy) -> Option<Sentence<'a>> {
     loop {
@@ -197,7 +198,7 @@ fn next<'a>(buffer: &'a [u8], cursor: &mut Cursor, counts: &mut FrameCounts, pol
         if pending.is_empty() {
             return None;
         }
-        // A sentence ends within this, or is too long.
+        // A sentence ends within this window, or is too long.
         let window = &pending[..pending.len().min(MAX_LINE)];
         let searched = cursor.searched.saturating_sub(cursor.start).max(1);
         let found = match cursor.inner {
@@ -228,7 +229,8 @@ fn next<'a>(buffer: &'a [u8], cursor: &mut Cursor, counts: &mut FrameCounts, pol
     }
 }
 
-/// Passes over a `$` that no line feed follows within the longest line: up to the next `$`, or over all that was searched.
+/// Drops a `$` that no line feed follows within the longest line: continues at the next `$`, or after everything that
+/// was searched.
 #[cold]
 fn drop_start(buffer: &[u8], cursor: &mut Cursor, counts: &mut FrameCounts) {
     cursor.searched = cursor.start + MAX_LINE;
@@ -300,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_counted_and_passed_over() {
+    fn noise_is_counted_and_dropped() {
         let (out, counts) = sentences(
             Policy::FromVehicle,
             &[b"login: \r\n", b"abc", CONTROL.as_bytes(), b"\r\nxyz"],
@@ -310,14 +312,14 @@ mod tests {
     }
 
     #[test]
-    fn a_dollar_sign_inside_a_line_starts_anew() {
+    fn a_dollar_sign_inside_a_line_starts_a_new_sentence() {
         let (out, counts) = sentences(Policy::FromVehicle, &[b"$BFNVG,0810$BF", CONTROL.as_bytes(), b"\r\n"]);
         assert_eq!(out, [CONTROL]);
         assert_eq!(counts.cut_short, 2);
     }
 
     #[test]
-    fn bad_lines_are_dropped_each_under_its_cause() {
+    fn bad_lines_are_dropped_and_counted_by_their_cause() {
         let stream = [
             b"$BF\xff,1*00\r\n$,1*00\r\n$BFCTL,081025.987,0*78\r\n".as_slice(),
             CONTROL.as_bytes(),
@@ -366,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn a_good_sentence_that_nobody_took_is_counted_when_it_goes() {
+    fn a_good_sentence_that_is_dropped_before_it_is_taken_is_counted() {
         let mut framer = Framer::new(Policy::FromVehicle);
         let stream = format!("{CONTROL}\r\n").repeat(100_000);
         framer.push(stream.as_bytes());
@@ -388,7 +390,7 @@ mod tests {
         framer.push(format!("*78\r\n{CONTROL}\r\n").as_bytes());
         assert_eq!(framer.next_sentence().unwrap().raw(), CONTROL);
         assert!(framer.next_sentence().is_none());
-        // Nor is anything of it taken as searched.
+        // The framer also forgets how far it had searched the old bytes.
         framer.push(b"$BFCTL,081025.987,1$BFCTL,08");
         assert!(framer.next_sentence().is_none());
         framer.clear();

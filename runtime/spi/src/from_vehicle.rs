@@ -14,14 +14,14 @@ use crate::table::messages;
 use crate::text::Text;
 
 messages! {
-    /// What the vehicle sends (SPI 5, 6 and 9).
+    /// The messages that the vehicle sends (SPI 5, 6 and 9).
     pub enum FromVehicle from crate::Direction::FromVehicle;
 
     /// Mission command: text from a user-defined behavior of the mission file.
     "BFMSC" MissionCommand, "5.1", "payload mission command" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// What the payload makes of it.
+        /// A text whose meaning the payload defines.
         text: Text as Text, "text";
     }
     "$BFMSC,081025.987,start line 3*12"
@@ -37,7 +37,7 @@ messages! {
     "BFBDL" LoggingBegin, "5.3", "begin data logging" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// What the mission planner wrote beside the step.
+        /// The mission planner's note for this step.
         text: Text as LastText, "text";
     }
     "$BFBDL,081025.987,line 3*45"
@@ -46,7 +46,7 @@ messages! {
     "BFSDL" LoggingEnd, "5.4", "stop data logging" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// What the mission planner wrote beside the step.
+        /// The mission planner's note for this step.
         text: Text as LastText, "text";
     }
     "$BFSDL,081025.987,line 3*54"
@@ -62,16 +62,16 @@ messages! {
     }
     "$BFTOP,081025.987,3,come home*6D"
 
-    /// The payload may begin to trigger the DVL, or must cease.
+    /// The payload may begin to trigger the DVL, or must stop.
     "BFDVT" DvlTriggering, "5.6", "begin/end DVL external triggering" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// Begin, or cease.
+        /// Whether the payload may begin; if not, it must stop.
         begin: bool as Flag, "flag";
     }
     "$BFDVT,081025.987,1*65"
 
-    /// The version of the interface that the vehicle speaks: its first words on a connection.
+    /// The version of the interface that the vehicle speaks: its first message on a connection.
     "BFVER" VehicleVersion, "5.7", "vehicle interface version" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -80,7 +80,7 @@ messages! {
     }
     "$BFVER,081025.987,1.12*4F"
 
-    /// Where the vehicle is and how it lies.
+    /// The vehicle's position and attitude.
     "BFNVG" Navigation, "6.1", "navigation update" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -88,7 +88,7 @@ messages! {
         position: Position as Position, "deg";
         /// Whether GPS is in the solution.
         quality: PositionQuality as PositionQuality, "code";
-        /// Height above the seabed; `None` (zero or empty on the wire) without bottom lock.
+        /// Altitude above the seabed; `None` (zero or empty on the wire) without bottom lock.
         altitude: Option<Altitude> as BottomLock, "m";
         /// Depth below the surface.
         depth: Depth as Depth, "m";
@@ -103,7 +103,8 @@ messages! {
     }
     "$BFNVG,081025.987,4221.810920,N,07106.846030,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980*4E"
 
-    /// How the vehicle moves and turns. The header of 6.2 misprints the last field's letter; it is the yaw rate.
+    /// The vehicle's velocity and angular rates. The header of 6.2 misprints the last field's letter; it is the yaw
+    /// rate.
     "BFNVR" VelocityAndRates, "6.2", "velocity and rate update" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -122,17 +123,17 @@ messages! {
     }
     "$BFNVR,081025.987,-0.5864,-1.3746,0.02,0.1,-0.25,1.5*51"
 
-    /// How the links to the topside are.
+    /// The status of the links to the topside.
     "BFTEL" Telemetry, "6.3", "telemetry status" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// What the acoustic uplink can still carry in the coming minute, kilobytes.
+        /// How much the acoustic uplink can still carry in the coming minute, kilobytes.
         acoustic_up_available_kb: f64 as Decimal<3>, "kB";
-        /// What it carried in the last minute, kilobytes.
+        /// How much the acoustic uplink carried in the last minute, kilobytes.
         acoustic_up_last_kb: f64 as Decimal<3>, "kB";
-        /// What the acoustic downlink can still carry in the coming minute, kilobytes.
+        /// How much the acoustic downlink can still carry in the coming minute, kilobytes.
         acoustic_down_available_kb: f64 as Decimal<3>, "kB";
-        /// What it carried in the last minute, kilobytes.
+        /// How much the acoustic downlink carried in the last minute, kilobytes.
         acoustic_down_last_kb: f64 as Decimal<3>, "kB";
         /// Whether the RF modem is connected.
         rf_connected: bool as Flag, "flag";
@@ -141,7 +142,7 @@ messages! {
     }
     "$BFTEL,081025.987,1.5,0.25,2,0.5,0,1*48"
 
-    /// Speed of sound, measured, or estimated where the vehicle has no sensor.
+    /// Speed of sound, measured, or estimated if the vehicle has no sensor.
     "BFSVS" SoundVelocity, "6.4", "sound velocity" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -150,7 +151,7 @@ messages! {
     }
     "$BFSVS,081025.987,1492.31*66"
 
-    /// One compass as it reads. The second header of 6.5 misprints the name as BFRDM.
+    /// The raw reading of one compass. The second header of 6.5 misprints the name as BFRDM.
     "BFRCM" Compass, "6.5", "raw compass data" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -167,7 +168,7 @@ messages! {
     }
     "$BFRCM,081025.987,1,203.1,4.5,-3.4,081025.950*66"
 
-    /// The depth sensor as it reads.
+    /// The raw reading of the depth sensor.
     "BFRDP" DepthSensor, "6.6", "raw depth sensor data" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -176,18 +177,19 @@ messages! {
     }
     "$BFRDP,081025.987,303.4125*48"
 
-    /// How the thruster turns; vehicles with a tailcone only.
+    /// The thruster's speed of rotation. Only vehicles with a tailcone send it.
     "BFRVL" VehicleSpeed, "6.7", "raw vehicle speed" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// Turns of the thruster a minute.
+        /// Turns of the thruster per minute.
         thruster_rpm: f64 as Decimal<3>, "rpm";
-        /// Speed through the water as these turns let expect, metres per second; `None` where the vehicle has no table for it.
+        /// The speed through the water that corresponds to these turns, metres per second; `None` if the vehicle has no
+        /// table for it.
         water_speed_mps: Option<f64> as OrDefault<Optional<Decimal<4>>>, "m/s";
     }
     "$BFRVL,081025.987,250.5,1.5*70"
 
-    /// One battery, or all together. What a vehicle does not know it leaves empty, or out.
+    /// One battery, or all together. A vehicle leaves a value that it does not know empty, or leaves it out.
     "BFRBS" Battery, "6.8", "battery voltage" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -203,7 +205,7 @@ messages! {
         temperature_c: Option<f64> as OrDefault<Optional<Decimal<4>>>, "degC";
         /// Capacity, kilowatt-hours.
         capacity_kwh: Option<f64> as OrDefault<Optional<Decimal<4>>>, "kWh";
-        /// State of charge, percent. Read as it comes, written within 0 to 100.
+        /// State of charge, percent. Any value is read, and only 0 to 100 is written.
         charge_percent: Option<f64> as OrDefault<Optional<Percent>>, "%";
     }
     "$BFRBS,081025.987,0,29.85,3.71,3.75,18.5,3.2,87.5*64"
@@ -212,11 +214,11 @@ messages! {
     "BFMBS" BehaviorBegin, "6.9", "begin new behavior" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// The dive file; empty where the payload asked for the behavior.
+        /// The dive file; empty if the payload requested the behavior.
         dive_file: Text as Text, "text";
-        /// Its number in the dive file; `None` where the payload asked for it.
+        /// Its number in the dive file; `None` if the payload requested it.
         number: Option<u32> as Optional<u32>, "count";
-        /// The payload's identifier, where the payload asked for it.
+        /// The payload's identifier, if the payload requested it.
         identifier: Option<BehaviorId> as IdentifierOrEmpty, "identifier";
         /// `trackline`, `waypoint`, `setpoint` and others.
         kind: Text as LastText, "text";
@@ -227,11 +229,11 @@ messages! {
     "BFMBE" BehaviorEnd, "6.10", "end behavior" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// The dive file; empty where the payload asked for the behavior.
+        /// The dive file; empty if the payload requested the behavior.
         dive_file: Text as Text, "text";
-        /// Its number in the dive file; `None` where the payload asked for it.
+        /// Its number in the dive file; `None` if the payload requested it.
         number: Option<u32> as Optional<u32>, "count";
-        /// The payload's identifier, where the payload asked for it.
+        /// The payload's identifier, if the payload requested it.
         identifier: Option<BehaviorId> as IdentifierOrEmpty, "identifier";
         /// As in [`BehaviorBegin`].
         kind: Text as LastText, "text";
@@ -244,15 +246,15 @@ messages! {
         created: TimeOfDay as Created, "UTC";
         /// The dive file, or empty.
         dive_file: Text as Text, "text";
-        /// `Ready`, `Running` (perhaps with the logging directory after it), `Aborting` and others; vehicles have been
-        /// seen to send junk.
+        /// `Ready`, `Running` (perhaps with the logging directory after it), `Aborting` and others. Some vehicles send
+        /// junk.
         status: Text as Text, "text";
         /// For people and logs.
         details: Text as LastText, "text";
     }
     "$BFMIS,081025.987,survey.dive,Running 2015-02-09,*01"
 
-    /// The angles of the tailcone; vehicles with one only.
+    /// The angles of the tailcone. Only vehicles with a tailcone send it.
     "BFERC" ControlSurfaces, "6.12", "elevator and rudder data" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -267,7 +269,7 @@ messages! {
     }
     "$BFERC,081025.987,-2.5,1.25,-3,1.5*42"
 
-    /// The Doppler log as it reads. The unit of the ranges is misprinted as m/s in 6.13.
+    /// The raw reading of the Doppler log. 6.13 misprints the unit of the ranges as m/s.
     "BFDVL" Dvl, "6.13", "raw DVL data" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -282,8 +284,9 @@ messages! {
     }
     "$BFDVL,081025.987,1.5,-0.02,0.01,45.1,45.3,44.9,45,10.25,081025.900*6D"
 
-    /// The Doppler log of a hovering vehicle: velocities along the beams. On other vehicles they are forward, to starboard, down,
-    /// and the log's own error velocity. The unit of the ranges is misprinted as m/s in 6.14.
+    /// The raw reading of the Doppler log. From a hovering vehicle the velocities are along the beams. From other
+    /// vehicles they are forward, to starboard, down, and the log's own error velocity. 6.14 misprints the unit of the
+    /// ranges as m/s.
     "BFDV2" DvlBeams, "6.14", "raw DVL data, extended" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -298,7 +301,7 @@ messages! {
     }
     "$BFDV2,081025.987,0.5,-0.5,0.25,-0.25,5.1,5.3,,5,10.25,081025.900*18"
 
-    /// The inertial sensor as it reads.
+    /// The raw reading of the inertial sensor.
     "BFIMU" Imu, "6.15", "raw IMU data" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -311,7 +314,7 @@ messages! {
     }
     "$BFIMU,081025.987,0.01,-0.02,1.5,0.123456,0,-9.81,081025.980*4C"
 
-    /// The vehicle's conductivity, temperature and pressure sensor.
+    /// A measurement of the vehicle's conductivity, temperature and pressure sensor.
     "BFCTD" Ctd, "6.16", "raw CTD sensor data" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -326,7 +329,7 @@ messages! {
     }
     "$BFCTD,081025.987,42914,10.25,303.4,081025.900*4C"
 
-    /// Where a hovering vehicle is, relative to where it began.
+    /// The position of a hovering vehicle, relative to where it began.
     "BFRNV" RelativeNavigation, "6.17", "relative navigation position" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -351,7 +354,7 @@ messages! {
     }
     "$BFRNV,081025.987,-1.25,2.5,1.5,-3,4.75,187.5,0.5,-0.25,081025.980*43"
 
-    /// Where the DVL and the sonar of a hovering vehicle point.
+    /// The directions in which the DVL and the sonar of a hovering vehicle point.
     "BFPIT" ServoPositions, "6.18", "pitch servo positions" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -362,7 +365,7 @@ messages! {
     }
     "$BFPIT,081025.987,-90,45.5*4D"
 
-    /// Where a hovering vehicle is in an inertial frame.
+    /// The position of a hovering vehicle in an inertial frame.
     "BFCNV" CartesianNavigation, "6.19", "cartesian relative navigation position" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -377,47 +380,48 @@ messages! {
     }
     "$BFCNV,081025.987,12.25,-3.5,4.75,90*5B"
 
-    /// One point of the mission plan. Behaviors of several points number them from one message to the next.
+    /// One point of the mission plan. If a behavior has several points, their messages number them.
     "BFPLN" PlanElement, "6.20", "mission plan element" {
-        /// When the message was made, UTC; not when the behavior runs.
+        /// When the message was made, UTC, which is not when the behavior runs.
         created: TimeOfDay as Created, "UTC";
-        /// The behavior's number in the dive file; `None` where the payload asked for it.
+        /// The behavior's number in the dive file; `None` if the payload requested it.
         number: Option<u32> as Optional<u32>, "count";
-        /// The payload's identifier, where the payload asked for it.
+        /// The payload's identifier, if the payload requested it.
         identifier: Option<BehaviorId> as IdentifierOrEmpty, "identifier";
         /// The point's place among those of its behavior.
         index: u32 as u32, "count";
-        /// What the point is.
+        /// The kind of the point.
         element: PlanElementKind as PlanElementKind, "code";
-        /// Where it is. The plan has no depths.
+        /// The position. The plan has no depths.
         position: Position as Then<Position, ThreeEmpty>, "deg";
     }
     "$BFPLN,081025.987,3,,0,1,4221.810920,N,07106.846030,W,,,*55"
 
-    /// What became of a command. Misprinted BFAK in 6.21, whose trailing comma real vehicles leave out.
+    /// The outcome of a command. 6.21 misprints the name as BFAK and prints a trailing comma that real vehicles leave
+    /// out.
     "BFACK" Acknowledgement, "6.21", "message acknowledgement" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// The command, `RMB`.
+        /// The command's name, such as `RMB`.
         command: CommandName as CommandName, "name";
-        /// The command's own time as the vehicle echoes it; none (midnight) where the command had no time.
+        /// The command's own time as the vehicle echoes it; midnight if the command had no time.
         command_created: EchoedTime as EchoedTime, "UTC";
-        /// The identifier of the insert that the command asked for, or `None` (0 or empty).
+        /// The identifier of the insert that the command requested, or `None` (0 or empty).
         behavior: Option<BehaviorId> as IdentifierOrZero, "identifier";
-        /// What became of it.
+        /// The outcome.
         status: AckStatus as Then<AckStatus, Zero>, "code";
         /// For people and logs.
         text: Text as LastText, "text";
     }
     "$BFACK,081025.987,RMB,081025.950,0,2,0,accepted*05"
 
-    /// The trim estimator, and how a trim adjustment goes.
+    /// The trim estimate, and the state of a trim adjustment.
     "BFTRM" TrimStatus, "6.22", "trim status" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// How far it is.
+        /// The state of the adjustment.
         status: AdjustmentStatus as AdjustmentStatus, "code";
-        /// What is wrong.
+        /// The error of the adjustment.
         error: AdjustmentError as AdjustmentError, "code";
         /// For people and logs.
         text: Text as Text, "text";
@@ -428,13 +432,13 @@ messages! {
     }
     "$BFTRM,081025.987,1,0,trimming,0.5,-0.25*48"
 
-    /// The buoyancy estimator, and how a buoyancy adjustment goes.
+    /// The buoyancy estimate, and the state of a buoyancy adjustment.
     "BFBOY" BuoyancyStatus, "6.23", "buoyancy status" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// How far it is.
+        /// The state of the adjustment.
         status: AdjustmentStatus as AdjustmentStatus, "code";
-        /// What is wrong.
+        /// The error of the adjustment.
         error: AdjustmentError as AdjustmentError, "code";
         /// For people and logs.
         text: Text as Text, "text";
@@ -443,7 +447,7 @@ messages! {
     }
     "$BFBOY,081025.987,3,3,at limit,-12.5*1F"
 
-    /// Hands control to the payload or takes it back. The format line of 6.24 misprints BFVER.
+    /// Gives control to the payload or takes it back. The format line of 6.24 misprints the name as BFVER.
     "BFCTL" BackseatControl, "6.24", "backseat control" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -452,8 +456,7 @@ messages! {
     }
     "$BFCTL,081025.987,1*78"
 
-    /// The payload may send acoustic packets until a time. The header of 9.1 prints a comma at the end that does not
-    /// belong there.
+    /// The payload may send acoustic packets until a time. The header of 9.1 prints a superfluous comma at the end.
     "BFCMA" MediumAccess, "9.1", "communications medium access" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -466,7 +469,7 @@ messages! {
     }
     "$BFCMA,081025.987,081055.987,7,WHOIPSK*2A"
 
-    /// A packet has been sent: one of ours, or of the vehicle's own.
+    /// A packet has been sent, one of ours or one of the vehicle's.
     "BFCPS" PacketSent, "9.2", "communications packet sent" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -474,14 +477,14 @@ messages! {
         sent: TimeOfDay as TimeOfDay, "UTC";
         /// Identifier of the request, as BPCPD gave it.
         request: u32 as u32, "identifier";
-        /// How many frames were sent; 0 is read as well.
+        /// The number of frames that were sent; 0 is read as well.
         frames: u32 as FrameCount, "count";
-        /// What became of each.
+        /// The outcome of each frame.
         statuses: [FrameSentStatus; 8] as Each<OrDefault<FrameSentStatus>, 8>, "code";
     }
     "$BFCPS,081025.987,081024.500,4711,2,2,3,0,0,0,0,0,0*76"
 
-    /// A packet has been received, for this vehicle or another one.
+    /// A packet has been received that was addressed to this vehicle or to another one.
     "BFCPR" PacketReceived, "9.3", "communications packet received data" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -489,20 +492,20 @@ messages! {
         arrived: TimeOfDay as TimeOfDay, "UTC";
         /// Address of the modem that sent it.
         source: u32 as u32, "address";
-        /// Address of the modem that it was for.
+        /// The address of the receiving modem.
         destination: u32 as u32, "address";
-        /// The modem's mode of transmission; -1 where it is not known.
+        /// The modem's mode of transmission; -1 if it is unknown.
         mode: i32 as i32, "code";
-        /// How many frames were received; 0 is read as well.
+        /// The number of frames that were received; 0 is read as well.
         frames: u32 as FrameCount, "count";
-        /// Each of them; unset and empty beyond their number.
+        /// The frames; unset and empty beyond their number.
         data: [ReceivedFrame; 8] as ReceivedFrames, "status and bytes";
     }
     "$BFCPR,081025.987,081025.500,3,7,-1,2,1,48656C6C6F,6,00FF,0,,0,,0,,0,,0,,0,*14"
 }
 
 impl MissionStatus {
-    /// Whether the mission runs: the status begins with `Running`. Everything else means that it does not.
+    /// Whether the mission runs: the status begins with `Running`. Any other status means that it does not run.
     #[must_use]
     pub fn is_running(&self) -> bool {
         self.status.as_str().starts_with("Running")

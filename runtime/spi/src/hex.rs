@@ -1,4 +1,4 @@
-//! Bytes as hexadecimal digits: upper case where they are written, either case where they are read (SPI 9.3).
+//! Bytes as hexadecimal digits: written in upper case, read in either case (SPI 9.3).
 
 use core::fmt;
 use std::borrow::Cow;
@@ -24,7 +24,7 @@ pub(crate) const fn value(digit: u8) -> Option<u8> {
     }
 }
 
-/// The bytes that digits stand for. No digits are no bytes.
+/// The bytes that digits stand for. An empty text is no bytes.
 pub(crate) fn decode(text: &[u8]) -> Result<Box<[u8]>, Fault> {
     const FAULT: Fault = Fault::expected("an even number of hexadecimal digits");
     if !text.len().is_multiple_of(2) {
@@ -36,7 +36,7 @@ pub(crate) fn decode(text: &[u8]) -> Result<Box<[u8]>, Fault> {
     bytes.collect::<Option<Box<[u8]>>>().ok_or(FAULT)
 }
 
-/// Shows bytes as digits.
+/// Displays bytes as digits.
 pub(crate) struct Digits<'a>(pub(crate) &'a [u8]);
 
 impl fmt::Display for Digits<'_> {

@@ -5,13 +5,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The payload's own identifier of a requested behavior (SPI 7.5), unique for the whole mission.
 ///
-/// Where a message may go without one, 0 on the wire means none: give none of your own that number.
+/// In messages that may lack an identifier, 0 on the wire means none, so do not give this number to a behavior.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct BehaviorId(u32);
 
 impl BehaviorId {
-    /// From its number.
+    /// Makes an identifier from its number.
     #[must_use]
     pub const fn new(number: u32) -> Self {
         Self(number)
@@ -36,19 +36,20 @@ impl fmt::Display for BehaviorId {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CommandName([u8; 3]);
 
-/// A name that is no command's.
+/// A name that is not the name of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected the three upper-case letters of a command: RMB or BPRMB")]
 pub struct CommandNameError;
 
 impl CommandName {
-    /// What a vehicle says where a line was no command at all.
+    /// The name that a vehicle acknowledges if a line was not a command.
     pub const NAK: Self = Self(*b"NAK");
 
-    /// From three letters, or from the five of the sentence's name: `RMB` and `BPRMB` are the same.
+    /// Makes a name from three letters, or from the five letters of the sentence's name: `RMB` and `BPRMB` are the
+    /// same.
     ///
     /// # Errors
-    /// [`CommandNameError`] where it is neither.
+    /// [`CommandNameError`] if the text is neither.
     pub fn new(name: &str) -> Result<Self, CommandNameError> {
         let letters = if name.len() == 5 {
             name.strip_prefix("BP").unwrap_or(name)
@@ -73,7 +74,7 @@ impl CommandName {
     /// The three letters.
     #[must_use]
     pub fn as_str(&self) -> &str {
-        core::str::from_utf8(&self.0).expect("the constructor lets only ascii in")
+        core::str::from_utf8(&self.0).expect("the constructor accepts only ASCII")
     }
 }
 

@@ -1,17 +1,18 @@
 //! The Bluefin Standard Payload Interface (SPI 1.12a): framing, typed messages, catalogue.
 //!
-//! Bytes become sentences in a [`Framer`], sentences become messages by [`FromVehicle::decode`] and
-//! [`ToVehicle::decode`], and messages become bytes again by `encode`. There is one enum a direction, so that sending
-//! what only the vehicle sends does not compile. Nothing here does I/O or knows the time.
+//! A [`Framer`] cuts bytes into sentences, [`FromVehicle::decode`] and [`ToVehicle::decode`] make messages of
+//! sentences, and `encode` turns messages into bytes again. Each direction has an enum of its own, so a program that
+//! sends a message of the vehicle does not compile. This crate does no I/O and reads no clock.
 //!
-//! Decoding is tolerant, as real vehicles and clients need it: more fields than expected, blanks around numbers,
-//! missing zero padding and absent checksums of payloads pass; what cannot be read is an error that names message,
-//! field and fault. Encoding is strict: three decimals of a second, a checksum of two upper-case digits, CRLF, and an
-//! error rather than a sentence that the other side could misread. Few values are read that are not written: those are
-//! where losing the message would be worse.
+//! Decoding is tolerant, because real vehicles and clients need it: it accepts more fields than expected, blanks around
+//! numbers, missing zero padding, and payloads' sentences without a checksum. For what it cannot read it returns an
+//! error that names message, field and fault. Encoding is strict: it writes three decimals of a second, a checksum of
+//! two upper-case digits and CRLF, and returns an error rather than write a sentence that the other side could misread.
+//! A few values are accepted in decoding and refused in encoding, where losing the whole message would be worse.
 //!
-//! Messages serialise as their fields, without their name; [`FromVehicle::deserialize_named`] and
-//! [`ToVehicle::deserialize_named`] read them back. [`catalogue`] lists all 71 with their sections, units and ranges.
+//! Messages serialise as their fields, without their name. [`FromVehicle::deserialize_named`] and
+//! [`ToVehicle::deserialize_named`] read them back. [`catalogue`] lists all 71 messages with their sections, units and
+//! ranges.
 //!
 //! ```
 //! use backseat_spi::{Framer, FromVehicle, Policy};
@@ -74,9 +75,10 @@ pub use to_vehicle::{
 };
 pub use unknown::UnknownMessage;
 
-/// The longest line that is read or written, bytes, from `$` to the line feed and with both.
+/// The longest line that is read or written, bytes, including the `$` and the line feed.
 ///
-/// The specification names no limit. The longest sentences are acoustic packets, BFCPR and BPCPD (SPI 9.3, 9.4): eight
-/// frames in hexadecimal digits. The largest frames of the modems that it names are the WHOI modem's in its fastest PSK
-/// modes, 256 bytes each: 4096 digits, and at most 186 bytes of other fields, which leaves a reserve of 70.
+/// The specification names no limit. The longest sentences are acoustic packets, BFCPR and BPCPD (SPI 9.3, 9.4), with
+/// eight frames in hexadecimal digits. Of the modems that the specification names, the WHOI modem has the largest
+/// frames in its fastest PSK modes: 256 bytes each, together 4096 digits. The other fields take at most 186 bytes,
+/// which leaves a reserve of 70.
 pub const MAX_LINE: usize = 4352;

@@ -1,7 +1,7 @@
 use crate::error::Fault;
 use crate::word;
 
-/// The greatest magnitude of a plain number, either way. Far beyond every unit of the specification, and small
+/// The greatest magnitude of a plain number. It is far greater than the specification needs in any unit, and small
 /// enough that six decimals of it are exact in 64 bits.
 pub(crate) const LIMIT: f64 = 1e9;
 
@@ -25,11 +25,12 @@ const PAIRS: [u8; 200] = {
     pairs
 };
 
-/// Reads a floating-point number that ends at a comma or the end, and its length: all but the rarest of real ones.
+/// Reads a floating-point number that ends at a comma or at the end of the bytes, and returns it with its length. It
+/// reads all numbers that real senders write, except the rarest.
 ///
-/// `None` where it is anything else, for [`parse_decimal`] to look at. The scan has to meet every byte, to refuse what
-/// the standard library would take (`inf`, `nan`, `1e3`); up to 15 digits then make an exact integer, and one division by
-/// an exact power of ten rounds as it must. Minus zero becomes zero.
+/// `None` means that [`parse_decimal`] must look at the text. The scan meets every byte, so that it refuses what the
+/// standard library would accept (`inf`, `nan`, `1e3`). Up to 15 digits then make an exact integer, and one division by
+/// an exact power of ten rounds correctly. Minus zero becomes zero.
 pub(crate) fn scan_decimal(bytes: &[u8]) -> Option<(f64, usize)> {
     match bytes.first_chunk() {
         Some(chunk) => scan_short(u64::from_le_bytes(*chunk)).or_else(|| scan_long(bytes)),
@@ -37,7 +38,7 @@ pub(crate) fn scan_decimal(bytes: &[u8]) -> Option<(f64, usize)> {
     }
 }
 
-/// A number of at most seven characters, with the comma after it among the eight that are given.
+/// Reads a number of at most seven characters. The comma after it must be among the eight characters of `word`.
 #[inline]
 pub(crate) fn scan_short(word: u64) -> Option<(f64, usize)> {
     let end = word::first_bit(word, b',');
@@ -59,7 +60,7 @@ pub(crate) fn scan_short(word: u64) -> Option<(f64, usize)> {
     if width == 0 {
         return None;
     }
-    // Noughts before the digits, where the text ended after them.
+    // Moves the digits to the end, with zeros before them.
     let values = (text ^ (word::all(b'0') >> (64 - width))) << (64 - width);
     if !word::are_digits(values) {
         return None;
@@ -92,7 +93,7 @@ fn scan_long(bytes: &[u8]) -> Option<(f64, usize)> {
     (magnitude <= LIMIT).then_some((value, at))
 }
 
-/// Adds the digits from `at` on to a number, which wraps where they are too many; returns where they end.
+/// Appends the digits from `at` on to a number, which wraps if there are too many, and returns where they end.
 fn scan_digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
     while let Some(&byte) = bytes.get(at) {
         let digit = byte.wrapping_sub(b'0');
@@ -154,16 +155,17 @@ pub(crate) fn parse_signed(bytes: &[u8]) -> Result<i32, Fault> {
     i32::try_from(if negative { -value } else { value }).map_err(|_| NOT_A_SIGNED_INTEGER)
 }
 
-/// Writes a number with at most `decimals` places (no more than 6), without zeros at the end and without minus zero.
+/// Writes a number with at most `decimals` places (at most 6), without trailing zeros and without minus zero.
 ///
-/// Rounds half away from zero. Fixed-point by hand: the standard library's formatting takes many times as long.
+/// Rounds half away from zero. The fixed-point code is written by hand because the standard library's formatting takes
+/// many times as long.
 pub(crate) fn write_decimal(out: &mut Vec<u8>, value: f64, decimals: u8) -> Result<(), Fault> {
     let magnitude = value.abs();
     if magnitude.is_nan() || magnitude > LIMIT {
         return Err(NOT_A_NUMBER);
     }
     let scaled = (magnitude * POWERS[usize::from(decimals)] + 0.5) as u64;
-    // Divisors that are constants cost a multiplication.
+    // A division by a constant costs only a multiplication.
     let (whole, millionths) = match decimals {
         0 => (scaled, 0),
         1 => (scaled / 10, scaled % 10 * 100_000),
@@ -211,14 +213,14 @@ fn write_long_integer(out: &mut Vec<u8>, value: u64) {
     }
 }
 
-/// Appends the first characters of a word: one store of eight bytes and a cut.
+/// Appends the first characters of a word: stores eight bytes and cuts the rest off.
 fn push_characters(out: &mut Vec<u8>, characters: u64, length: usize) {
     let end = out.len() + length;
     out.extend_from_slice(&characters.to_le_bytes());
     out.truncate(end);
 }
 
-/// Two digits into a buffer. The value must be below 100.
+/// The two digits of a value, which must be below 100.
 pub(crate) fn two_digits(value: u32) -> [u8; 2] {
     let pair = value as usize % 100 * 2;
     [PAIRS[pair], PAIRS[pair + 1]]
@@ -278,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_plain_number_is_refused() {
+    fn text_that_is_not_a_plain_number_is_refused() {
         for bad in [
             "", "-", ".", "-.", "1e3", "1E3", "1e400", "inf", "-inf", "NaN", "infinity", "1.2.3", "--1", "1-", "0x1",
             "1 2",
@@ -307,7 +309,7 @@ mod tests {
         }
 
         #[test]
-        fn a_number_before_a_comma_is_what_it_is_at_the_end(text in "[-+]?[0-9]{0,4}\\.?[0-9]{0,5}", after in "[-.0-9,]{0,9}") {
+        fn a_number_before_a_comma_is_read_like_one_at_the_end(text in "[-+]?[0-9]{0,4}\\.?[0-9]{0,5}", after in "[-.0-9,]{0,9}") {
             let field = format!("{text},{after}");
             let expected = match text.parse::<f64>() {
                 Ok(value) if !text.starts_with('+') => Some((value, text.len())),
@@ -317,7 +319,7 @@ mod tests {
         }
 
         #[test]
-        fn only_numbers_are_numbers(text in "[-+.,0-9 e:/\u{80}]{0,9}") {
+        fn only_numbers_are_read_as_numbers(text in "[-+.,0-9 e:/\u{80}]{0,9}") {
             let plain = !text.contains(['+', ' ', 'e', '\u{80}', '/', ':']);
             for field in [format!("{text},,,,,,,,"), text.clone()] {
                 let first = field.split(',').next().unwrap_or_default();
@@ -329,7 +331,7 @@ mod tests {
         }
 
         #[test]
-        fn what_is_written_is_read_to_half_a_unit(value in -1e9..1e9f64, decimals in 0..=6u8) {
+        fn a_written_number_is_read_back_to_half_a_unit(value in -1e9..1e9f64, decimals in 0..=6u8) {
             let text = written(value, decimals);
             let back = parse_decimal(text.as_bytes()).unwrap();
             prop_assert!((back - value).abs() <= 0.500_001 / POWERS[usize::from(decimals)] + value.abs() * 1e-15);

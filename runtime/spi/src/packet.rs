@@ -3,28 +3,28 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::codes::FrameReceivedStatus;
 use crate::hex;
 
-/// One frame of an acoustic packet as it was received (SPI 9.3). The data are serialised as hexadecimal digits.
+/// One frame of an acoustic packet, as the modem received it (SPI 9.3). The data are serialised as hexadecimal digits.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReceivedFrame {
-    /// How it was received; unset where there is no such frame.
+    /// How it was received; unset if there is no such frame.
     pub status: FrameReceivedStatus,
-    /// Its bytes; none where there is no such frame.
+    /// Its bytes; empty if there is no such frame.
     #[serde(with = "hex")]
     pub data: Box<[u8]>,
 }
 
-/// The frames of an acoustic packet that is to be sent: 1 to 8, none of them empty (SPI 9.4).
+/// The frames of an acoustic packet to send: 1 to 8 frames, none of them empty (SPI 9.4).
 ///
-/// How long a frame may be is the modem's affair; all of them together must fit into [`crate::MAX_LINE`]. Serialised as
-/// a list of hexadecimal digits.
+/// The modem limits how long a frame may be; all frames together must fit into [`crate::MAX_LINE`]. Serialised as a
+/// list of strings of hexadecimal digits.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct FrameData(Box<[Box<[u8]>]>);
 
-/// Frames that are no packet's.
+/// Why frames cannot make a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrameDataError {
-    /// There are none, or more than a packet holds.
+    /// There are no frames, or more than a packet holds.
     #[error("{count} frames: expected 1 to {}", FrameData::MAX_FRAMES)]
     Count {
         /// How many there are.
@@ -33,7 +33,7 @@ pub enum FrameDataError {
     /// A frame has no bytes.
     #[error("frame {index} is empty")]
     Empty {
-        /// Which one, from 0.
+        /// Which frame, from 0.
         index: usize,
     },
 }
@@ -42,12 +42,12 @@ impl FrameData {
     /// How many frames a packet holds.
     pub const MAX_FRAMES: usize = 8;
 
-    /// From the bytes of each frame.
+    /// Makes a packet's frames from the bytes of each.
     ///
     /// # Errors
-    /// [`FrameDataError`] where there are none, more than [`FrameData::MAX_FRAMES`], or one of them is empty.
+    /// [`FrameDataError`] if there are none, more than [`FrameData::MAX_FRAMES`], or if one is empty.
     pub fn new(frames: impl IntoIterator<Item: Into<Box<[u8]>>>) -> Result<Self, FrameDataError> {
-        // One more than there may be, so that no endless iterator is followed.
+        // Takes at most one frame too many, so that an endless iterator ends.
         let frames: Box<[Box<[u8]>]> = frames.into_iter().take(Self::MAX_FRAMES + 1).map(Into::into).collect();
         if !(1..=Self::MAX_FRAMES).contains(&frames.len()) {
             return Err(FrameDataError::Count { count: frames.len() });
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_serialised_as_digits_and_checked_on_the_way_back() {
+    fn frames_are_serialised_as_digits_and_checked_when_read_back() {
         let frames = FrameData::new([vec![0x0a, 0xff], vec![7]]).unwrap();
         assert_eq!(serde_json::to_string(&frames).unwrap(), r#"["0AFF","07"]"#);
         assert_eq!(serde_json::from_str::<FrameData>(r#"["0aFf","07"]"#).unwrap(), frames);

@@ -5,10 +5,10 @@ use nom::{IResult, Parser};
 
 use crate::hex;
 
-/// One sentence, `$NAME,field,…*HH`, borrowed from the line that it stands in (SPI 4.2).
+/// One sentence, `$NAME,field,…*HH`, borrowed from its line (SPI 4.2).
 ///
-/// Its checksum stands after the last asterisk of the line. A payload relays the lines of its modem in a text (SPI 7.14),
-/// so that the fields may hold dollar signs and asterisks, those of another checksum too.
+/// Its checksum follows the last asterisk of the line. A payload relays the lines of its modem in a text (SPI 7.14), so
+/// the fields may hold dollar signs and asterisks, including those of another checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sentence<'a> {
     raw: &'a str,
@@ -17,34 +17,35 @@ pub struct Sentence<'a> {
     checksum: ChecksumState,
 }
 
-/// What a sentence's checksum says of it.
+/// The state of a sentence's checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChecksumState {
-    /// It is there and right.
+    /// There is one, and it is right.
     Valid,
     /// There is none: payloads need not send one (SPI 4.2).
     Absent,
-    /// It is there and wrong, or no checksum at all.
+    /// There is one and it is wrong, or the text after the asterisk is not a checksum.
     Invalid,
 }
 
-/// A line that is no sentence.
+/// A line that is not a sentence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("not a sentence: expected a dollar sign, a name of letters and digits, then a comma, an asterisk or the end")]
 pub struct SentenceError;
 
 impl<'a> Sentence<'a> {
-    /// Takes one line apart. The line end and blanks at the end may be there or not.
+    /// Splits a line into its parts. The line end and trailing blanks may be there or not.
     ///
-    /// The checksum is judged, not required: see [`Sentence::checksum`]. [`crate::Framer`] does both for a stream.
+    /// A wrong or missing checksum is not an error: see [`Sentence::checksum`]. [`crate::Framer`] finds sentences in a
+    /// stream and checks their checksums.
     ///
     /// # Errors
-    /// [`SentenceError`] where the line has not the form of a sentence.
+    /// [`SentenceError`] if the line does not have the form of a sentence.
     #[inline]
     pub fn parse(line: &'a str) -> Result<Self, SentenceError> {
         let raw = line.trim_ascii_end();
         let parts = parts(raw.as_bytes())?;
-        // All delimiters are ASCII, so that these cuts are at character boundaries.
+        // All delimiters are ASCII, so these cuts are at character boundaries.
         let name_end = 1 + parts.name.len();
         let body = parts
             .body
@@ -75,7 +76,7 @@ impl<'a> Sentence<'a> {
         Fields { rest: self.body }
     }
 
-    /// What the checksum says.
+    /// The state of the checksum.
     #[must_use]
     pub const fn checksum(&self) -> ChecksumState {
         self.checksum
@@ -87,7 +88,7 @@ impl<'a> Sentence<'a> {
         self.raw
     }
 
-    /// The text of all fields, with their commas; `None` where the sentence ends with its name.
+    /// The text of all fields, with their commas; `None` if the sentence ends with its name.
     pub(crate) const fn body(&self) -> Option<&'a str> {
         self.body
     }
@@ -137,7 +138,7 @@ pub(crate) fn xor(bytes: &[u8]) -> u8 {
     });
     match (words.remainder(), bytes.last_chunk()) {
         ([], _) => {}
-        // The last eight bytes again, less those that were in the last word.
+        // The last eight bytes again, without those that were already in the last word.
         (rest, Some(last)) => sum ^= u64::from_le_bytes(*last) >> (64 - 8 * rest.len()),
         (rest, None) => return rest.iter().fold(0, |sum, byte| sum ^ byte),
     }
@@ -170,7 +171,7 @@ fn name(line: &[u8]) -> IResult<&[u8], &[u8]> {
     preceded(char('$'), take_while1(|byte: u8| byte.is_ascii_alphanumeric())).parse(line)
 }
 
-/// Where the asterisk stands that a checksum follows. Nearly always it is the third byte from the end.
+/// The position of the asterisk before the checksum. It is nearly always the third byte from the end.
 #[inline]
 pub(crate) fn last_star(text: &[u8]) -> Option<usize> {
     match text {
@@ -219,7 +220,7 @@ mod tests {
                 "{no_checksum}"
             );
         }
-        // A and B alone leave 0x03, which real clients print as one digit.
+        // A and B alone give 0x03, which real clients print as one digit.
         assert_eq!(state("$AB*3"), ChecksumState::Valid);
     }
 
@@ -237,10 +238,10 @@ mod tests {
         assert_eq!(
             state(&format!("${relayed}")),
             ChecksumState::Invalid,
-            "that is the relayed line's"
+            "the checksum is that of the relayed line"
         );
         assert_eq!(state(&format!("{line}*")), ChecksumState::Invalid);
-        // After the name there is no text that could hold an asterisk.
+        // Directly after the name there is no text that could hold an asterisk.
         for line in ["$AB*03*03", "$AB*3*", "$AB**03"] {
             assert_eq!(state(line), ChecksumState::Invalid, "{line}");
         }
@@ -266,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_sentence_is_refused() {
+    fn a_line_that_is_not_a_sentence_is_refused() {
         for bad in [
             "",
             "$",
@@ -284,7 +285,7 @@ mod tests {
 
     proptest::proptest! {
         #[test]
-        fn the_checksum_is_every_bytes(bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..40)) {
+        fn the_checksum_covers_every_byte(bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..40)) {
             proptest::prop_assert_eq!(xor(&bytes), bytes.iter().fold(0, |sum, byte| sum ^ byte));
         }
     }

@@ -1,9 +1,9 @@
-/// One direction's messages: a row a message, and everything about it from the row.
+/// The messages of one direction. Each message is one row, and everything about it comes from its row.
 ///
-/// A row is the doc line with its section, the wire name, the type's name, section and title, and the fields as
-/// `name: Type as Form, "unit";`, where the form is a [`crate::field::Field`] whose value is the type. The table emits the
+/// A row has a doc line, the wire name, the type's name, section and title, the fields as `name: Type as Form,
+/// "unit";`, where the form is a [`crate::field::Field`] whose value is the type, and an example. The table emits the
 /// structs, the enum with `Unknown`, `From`, decode, encode, the catalogue's entries, and for each row a test of its
-/// example and of a round trip. What a message has of its own goes into a form, never into this macro.
+/// example and of a round trip. What is special about a message goes into a form, never into this macro.
 macro_rules! messages {
     (
         $(#[$enum_doc:meta])*
@@ -19,7 +19,7 @@ macro_rules! messages {
     ) => {
         $(#[$enum_doc])*
         ///
-        /// Serialised as the message is, without its name.
+        /// Serialised as the message, without its name.
         #[derive(Clone, Debug, PartialEq, serde::Serialize)]
         #[serde(untagged)]
         pub enum $Enum {
@@ -47,7 +47,7 @@ macro_rules! messages {
 
                 const KEY: u64 = $crate::table::key($name);
 
-                /// Gives the enum and not the message: it is put together where it will be, and not copied there.
+                /// Returns the enum and not the message, so that the message is built in place and not copied.
                 fn read(reader: &mut $crate::field::Reader<'_>) -> Result<$Enum, $crate::DecodeError> {
                     $(
                         let $field = match <$Form as $crate::field::Field>::decode(reader) {
@@ -82,10 +82,10 @@ macro_rules! messages {
         )*
 
         impl $Enum {
-            /// Reads a sentence of this direction. A name that is not known gives `Unknown`; fields after the known ones
-            /// are ignored.
+            /// Reads a sentence of this direction. An unknown name gives `Unknown`. Fields after the known ones are
+            /// ignored.
             ///
-            /// The checksum is not judged here: [`crate::Framer`] lets only sentences through that its policy allows.
+            /// The checksum is not checked here: [`crate::Framer`] passes only sentences that its policy allows.
             ///
             /// # Errors
             /// [`crate::DecodeError`] names message, field and fault.
@@ -100,7 +100,7 @@ macro_rules! messages {
             /// Appends the sentence, `$NAME,…*HH` with carriage return and line feed.
             ///
             /// # Errors
-            /// [`crate::EncodeError`] where a value cannot be written so that it is read as the same; then nothing is
+            /// [`crate::EncodeError`] if the other side would not read a value as the same value. Then nothing is
             /// appended.
             pub fn encode(&self, out: &mut Vec<u8>) -> Result<(), $crate::EncodeError> {
                 $crate::table::enclose(out, |out| match self {
@@ -111,11 +111,11 @@ macro_rules! messages {
                 })
             }
 
-            /// Reads a serialised message whose name is known by other means: the reverse of serialising it.
+            /// Reads a serialised message. This is the reverse of serialising, which leaves the name out.
             ///
             /// # Errors
-            /// The deserializer's own, where the name is no message's of this direction, or where a field is missing,
-            /// unknown, or no value of its type. Ranges are judged by [`Self::encode`].
+            /// The deserializer's own error, if no message of this direction has the name, or if a field is missing,
+            /// unknown, or not a value of its type. [`Self::encode`] checks ranges.
             pub fn deserialize_named<'de, D: serde::Deserializer<'de>>(
                 name: &str,
                 deserializer: D,
@@ -123,7 +123,7 @@ macro_rules! messages {
                 match name {
                     $( $name => <$Message as serde::Deserialize>::deserialize(deserializer).map(Self::$Message), )*
                     _ => Err(serde::de::Error::custom(format_args!(
-                        "{name:?} is no message of this direction"
+                        "{name:?} is not a message of this direction"
                     ))),
                 }
             }
@@ -137,7 +137,7 @@ macro_rules! messages {
                 }
             }
 
-            /// When the message was made, by its sender's clock; `None` for those that do not say.
+            /// When the message was made, by its sender's clock; `None` if the message does not say.
             #[must_use]
             pub fn created(&self) -> Option<backseat_units::TimeOfDay> {
                 match self {
@@ -193,7 +193,7 @@ macro_rules! messages {
                         let text = serde_json::to_string(&message).unwrap();
                         let mut json = serde_json::Deserializer::from_str(&text);
                         let back = $Enum::deserialize_named(message.name(), &mut json).unwrap();
-                        // By the wire: the JSON parser may miss a number's last bit.
+                        // Compared as written on the wire, because the JSON parser may miss a number's last bit.
                         assert_eq!($crate::table::line(&back, $Enum::encode), $crate::table::line(&message, $Enum::encode));
                         Ok(())
                     }).unwrap();
@@ -214,7 +214,7 @@ macro_rules! messages {
             }
 
             #[test]
-            fn every_row_ignores_more_fields_and_names_what_is_missing() {
+            fn every_row_ignores_more_fields_and_names_the_missing_one() {
                 for entry in ENTRIES {
                     let (line, _) = entry.example.split_once('*').unwrap();
                     let plain = $Enum::decode(&$crate::Sentence::parse(line).unwrap()).unwrap();
@@ -223,7 +223,7 @@ macro_rules! messages {
                     let relays = |field: &$crate::EntryField| {
                         field.range == <$crate::RelayedText as $crate::field::Field>::RANGE
                     };
-                    // A text that may hold commas is not ended by one.
+                    // A comma does not end a text that may hold commas.
                     assert_eq!(longer != plain, entry.fields.iter().any(relays), "{}", entry.name);
                     let bare = $Enum::decode(&$crate::Sentence::parse(&format!("${}", entry.name)).unwrap()).unwrap_err();
                     assert_eq!((bare.message, bare.number), (entry.name, 1));
@@ -234,7 +234,8 @@ macro_rules! messages {
     };
 }
 
-/// `let` for each field out of tuples nested to the left: proptest's own tuples end at twelve.
+/// Binds each field from tuples that are nested to the left, because proptest's own tuples have at most twelve
+/// elements.
 #[cfg(test)]
 macro_rules! unnest {
     ($values:expr;) => { let () = $values; };
@@ -257,7 +258,7 @@ pub(crate) use unnest;
 use crate::error::EncodeError;
 use crate::{MAX_LINE, hex, sentence};
 
-/// A name as a number, so that decoding finds its row by comparing integers. All of ours have five letters.
+/// A name as a number, so that decoding finds its row by comparing integers. All names of SPI have five letters.
 pub(crate) const fn key(name: &str) -> u64 {
     match *name.as_bytes() {
         [a, b, c, d, e] => u64::from_be_bytes([0, 0, 0, a, b, c, d, e]),
@@ -265,7 +266,8 @@ pub(crate) const fn key(name: &str) -> u64 {
     }
 }
 
-/// Writes dollar sign, what `write` writes, checksum and line end; nothing at all where that fails or is too long.
+/// Writes the dollar sign, what `write` writes, the checksum and the line end. If that fails or is too long, writes
+/// nothing.
 pub(crate) fn enclose(
     out: &mut Vec<u8>,
     write: impl FnOnce(&mut Vec<u8>) -> Result<(), EncodeError>,
@@ -293,7 +295,7 @@ pub(crate) fn enclose(
     Ok(())
 }
 
-/// The line of a message that can be written.
+/// The line of a message, which must be one that can be written.
 #[cfg(test)]
 pub(crate) fn line<M>(message: &M, encode: fn(&M, &mut Vec<u8>) -> Result<(), EncodeError>) -> String {
     let mut out = Vec::new();
@@ -301,7 +303,7 @@ pub(crate) fn line<M>(message: &M, encode: fn(&M, &mut Vec<u8>) -> Result<(), En
     String::from_utf8(out).unwrap()
 }
 
-/// Encodes, decodes and encodes again: the same message, the same bytes.
+/// Encodes, decodes and encodes again, and checks that the message and the bytes stay the same.
 #[cfg(test)]
 pub(crate) fn check_round_trip<M: Clone + core::fmt::Debug + PartialEq>(
     message: &M,

@@ -11,17 +11,17 @@ pub struct Text(Box<str>);
 /// A character that the text of a sentence must not hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "character {character:?} at byte {at} is not allowed: expected printable ascii without comma, asterisk, dollar"
+    "character {character:?} at byte {at} is not allowed: expected printable ASCII without comma, asterisk and dollar sign"
 )]
 pub struct TextError {
     /// The first character that is not allowed.
     pub character: char,
-    /// Where it stands, bytes from the start.
+    /// The index of its first byte.
     pub at: usize,
 }
 
 impl Text {
-    /// The text as it stands.
+    /// Makes a text, unchanged.
     ///
     /// # Errors
     /// [`TextError`] names the first character that is not allowed.
@@ -32,7 +32,7 @@ impl Text {
         }
     }
 
-    /// The text with a blank in place of each character that is not allowed.
+    /// Makes a text with a blank in place of each character that is not allowed.
     #[must_use]
     pub fn cleaned(text: &str) -> Self {
         Self(blanked(text, is_allowed))
@@ -43,27 +43,27 @@ const fn is_allowed(character: char) -> bool {
     is_printable(character) && !matches!(character, ',' | '*' | '$')
 }
 
-/// Text that ends its sentence and is passed on as it is: printable ASCII, and delimiters too.
+/// Text that ends its sentence and is passed on unchanged: printable ASCII, including delimiters.
 ///
-/// The specification reserves comma and asterisk (SPI 4.2), but what a payload relays from its modem (SPI 7.14) are often
-/// sentences themselves, with commas, a dollar sign and a checksum of their own. Where the text is the last of its sentence
-/// and the sentence has its checksum, nothing of that is ambiguous.
+/// The specification reserves comma and asterisk (SPI 4.2), but the lines that a payload relays from its modem (SPI
+/// 7.14) are often sentences themselves, with commas, a dollar sign and a checksum of their own. If the text is the
+/// last field of its sentence and the sentence has its checksum, this is not ambiguous.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(transparent)]
 pub struct RelayedText(Box<str>);
 
-/// A character that no text may hold, not even one that ends its sentence.
+/// A character that no text may hold, not even a text that ends its sentence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("character {character:?} at byte {at} is not allowed: expected printable ascii")]
+#[error("character {character:?} at byte {at} is not allowed: expected printable ASCII")]
 pub struct RelayedTextError {
     /// The first character that is not allowed.
     pub character: char,
-    /// Where it stands, bytes from the start.
+    /// The index of its first byte.
     pub at: usize,
 }
 
 impl RelayedText {
-    /// The text as it stands.
+    /// Makes a text, unchanged.
     ///
     /// # Errors
     /// [`RelayedTextError`] names the first character that is not allowed.
@@ -74,14 +74,14 @@ impl RelayedText {
         }
     }
 
-    /// The text with a blank in place of each character that is not allowed.
+    /// Makes a text with a blank in place of each character that is not allowed.
     #[must_use]
     pub fn cleaned(text: &str) -> Self {
         Self(blanked(text, is_printable))
     }
 
-    /// Whether a command of a payload begins inside it (SPI 7). A vehicle that begins anew at each dollar sign would carry
-    /// that out, so that it is read and never written.
+    /// Whether a payload's command begins inside the text (SPI 7). A vehicle that starts a new sentence at each dollar
+    /// sign would carry out that command, so such a text is read and never written.
     #[must_use]
     pub fn holds_command(&self) -> bool {
         self.0.contains("$BP")
@@ -98,7 +98,7 @@ impl From<Text> for RelayedText {
     }
 }
 
-/// What both texts share: read as a string, checked on the way in, compared with strings.
+/// What both types of text share: they are read as strings, checked when they are read, and compared with strings.
 macro_rules! is_string {
     ($text:ident, $error:ident) => {
         impl $text {
@@ -108,7 +108,7 @@ macro_rules! is_string {
                 &self.0
             }
 
-            /// Whether there is none.
+            /// Whether the text is empty.
             #[must_use]
             pub fn is_empty(&self) -> bool {
                 self.0.is_empty()
@@ -158,7 +158,7 @@ macro_rules! is_string {
 is_string!(Text, TextError);
 is_string!(RelayedText, RelayedTextError);
 
-/// The first character that is not allowed, and where it stands.
+/// The first character that is not allowed, and its index in bytes.
 fn first_foreign(text: &str, is_allowed: fn(char) -> bool) -> Option<(usize, char)> {
     text.char_indices().find(|&(_, character)| !is_allowed(character))
 }
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn a_serialised_text_is_a_string_and_checked_on_the_way_back() {
+    fn a_serialised_text_is_a_string_and_is_checked_when_read_back() {
         let text = Text::new("line 3").unwrap();
         assert_eq!(serde_json::to_string(&text).unwrap(), "\"line 3\"");
         assert_eq!(serde_json::from_str::<Text>("\"line 3\"").unwrap(), text);
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_relayed_may_hold_delimiters_and_no_control_characters() {
+    fn a_relayed_text_may_hold_delimiters_but_no_control_characters() {
         let line = "$CCRXD,1,2*5B";
         assert_eq!(RelayedText::new(line).unwrap(), line);
         assert_eq!(RelayedText::from(Text::new("abort").unwrap()), "abort");

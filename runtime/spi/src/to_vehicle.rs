@@ -12,45 +12,45 @@ use crate::table::messages;
 use crate::text::{RelayedText, Text};
 
 messages! {
-    /// What the payload sends (SPI 7, 8 and 9).
+    /// The messages that the payload sends (SPI 7, 8 and 9).
     pub enum ToVehicle from crate::Direction::ToVehicle;
 
     /// Turns the sending of one kind of status message on or off.
     "BPLOG" LoggingControl, "7.1", "logging control" {
-        /// Three letters, `NVG`, or `ALL`, which leaves BFACK out.
+        /// Three letters such as `NVG`, or `ALL`, which does not include BFACK.
         message: Text as Word, "name";
         /// On or off.
         on: bool as OnOff, "flag";
     }
     "$BPLOG,NVG,ON*08"
 
-    /// How the payload is. Not ok feeds the vehicle's fixed safety rules.
+    /// The status of the payload. A status that is not ok goes into the vehicle's fixed safety rules.
     "BPSTS" PayloadStatus, "7.2", "payload status message" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// All ok, or failed.
+        /// Whether all is ok.
         ok: bool as Flag, "flag";
         /// For people and logs.
         text: Text as LastText, "text";
     }
     "$BPSTS,081025.987,1,all ok*08"
 
-    /// Asks for a message to be sent to the topside by the best link that there is.
+    /// Asks the vehicle to send a message to the topside by the best available link.
     "BPTOP" TopsideText, "7.3", "request to send data topside" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// The slowest way that the message is worth; vehicles may ignore it.
+        /// The slowest link that is worth using for the message; vehicles may ignore it.
         slowest: Transport as Transport, "code";
         /// The message.
         text: Text as Then<LastText, Zero>, "text";
     }
     "$BPTOP,081025.987,3,target 3 found,0*18"
 
-    /// Whether the payload wants to trigger the DVL, and whether it does.
+    /// Whether the payload wants to trigger the DVL, and whether it triggers it now.
     "BPDVR" DvlTriggerRequest, "7.4", "request to change DVL triggering method" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// Asks to begin external triggering, or to end it.
+        /// Whether the payload asks for external triggering; if not, it asks to end it.
         external: bool as Flag, "flag";
         /// Whether the payload triggers the DVL now.
         triggering: bool as Flag, "flag";
@@ -67,15 +67,15 @@ messages! {
         start: Position as Position, "deg";
         /// Where the line ends.
         end: Position as Position, "deg";
-        /// What the vertical value is.
+        /// The meaning of the vertical value.
         vertical_mode: VerticalMode as VerticalMode, "code";
         /// Depth or altitude, metres.
         vertical_m: f64 as Decimal<3>, "m";
-        /// Speed, metres per second or turns a minute.
+        /// Speed, metres per second or turns of the thruster per minute.
         speed: f64 as Decimal<3>, "m/s or rpm";
-        /// What the speed is.
+        /// The unit of the speed.
         speed_mode: SpeedMode as SpeedMode, "code";
-        /// When the line begins. Read as after the current behavior where it is missing or empty.
+        /// When the line begins. A missing or empty field is read as after the current behavior.
         interrupt: Interrupt as OrDefault<Interrupt>, "code";
     }
     "$BPRTK,081025.987,1001,4221.810920,N,07106.846030,W,4221.910920,N,07106.846030,W,1,10,1.5,0,0*7E"
@@ -90,19 +90,20 @@ messages! {
         centre: Position as Position, "deg";
         /// The circle's radius, metres.
         radius_m: f64 as Decimal<3>, "m";
-        /// How many times round, clockwise where positive.
+        /// The number of orbits, clockwise if positive.
         orbits: f64 as Decimal<3>, "count";
-        /// What the vertical value is.
+        /// The meaning of the vertical value.
         vertical_mode: VerticalMode as VerticalMode, "code";
         /// Depth or altitude, metres.
         vertical_m: f64 as Decimal<3>, "m";
-        /// Speed, metres per second or turns a minute.
+        /// Speed, metres per second or turns of the thruster per minute.
         speed: f64 as Decimal<3>, "m/s or rpm";
-        /// What the speed is.
+        /// The unit of the speed.
         speed_mode: SpeedMode as SpeedMode, "code";
-        /// Where on the circle to begin. The header of 7.6 lacks the field, its table has it; it is read with and without.
+        /// Where on the circle to begin. The header of 7.6 lacks the field and its table has it, so both forms are
+        /// read.
         entry_angle_deg: CircleEntry as CircleEntry, "deg";
-        /// When the circle begins. Read as after the current behavior where it is missing or empty.
+        /// When the circle begins. A missing or empty field is read as after the current behavior.
         interrupt: Interrupt as OrDefault<Interrupt>, "code";
     }
     "$BPRTC,081025.987,1002,4221.810920,N,07106.846030,W,50,-2,0,15,1.5,0,180,4*5C"
@@ -124,7 +125,7 @@ messages! {
     }
     "$BPRGP,081025.987,1003,4221.810920,N,07106.846030,W,120,5,0*7E"
 
-    /// Takes back a trackline or trackcircle that has not begun.
+    /// Cancels a trackline or trackcircle that has not begun.
     "BPRCN" CancelBehavior, "7.8", "cancel requested behavior" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -133,43 +134,43 @@ messages! {
     }
     "$BPRCN,081025.987,1001*5B"
 
-    /// Takes back all requested behaviors, perhaps those of other payloads too.
+    /// Cancels all requested behaviors, perhaps including those of other payloads.
     "BPRCA" CancelAll, "7.9", "cancel all requested behaviors" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
     }
     "$BPRCA,081025.987*78"
 
-    /// Ends the current behavior, whosever it is: the next one of the mission begins.
+    /// Ends the current behavior, whoever requested it. The next behavior of the mission begins.
     "BPRCB" CancelCurrent, "7.10", "cancel current behavior" {
         /// When the message was made, UTC.
         created: TimeOfDay as Then<Created, Zero>, "UTC";
     }
     "$BPRCB,081025.987,0*67"
 
-    /// Ends the current mission element, as the planner counts them: the next one begins.
+    /// Ends the current mission element, as the planner counts elements. The next element begins.
     "BPRCE" CancelElement, "7.11", "cancel current mission element" {
         /// When the message was made, UTC.
         created: TimeOfDay as Then<Created, Zero>, "UTC";
     }
     "$BPRCE,081025.987,0*60"
 
-    /// Gives heading, depth or altitude, and speed for the next 5 s at most. What is `None` stays as the current
-    /// behavior has it.
+    /// Sets heading, depth or altitude, and speed for the next 5 s at most. A value that is `None` stays that of the
+    /// current behavior.
     "BPRMB" ModifyBehavior, "7.12", "modify current behavior" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// Heading or rudder, degrees. The specification does not say which north a heading counts from.
+        /// Heading or rudder, degrees. The specification does not say from which north a heading counts.
         horizontal: Option<f64> as Optional<Decimal<3>>, "deg";
         /// Depth or altitude, metres; pitch or elevator, degrees, in those modes.
         vertical_m: Option<f64> as Optional<Decimal<3>>, "m";
-        /// What the vertical value is.
+        /// The meaning of the vertical value.
         vertical_mode: Option<ModifyVerticalMode> as Optional<ModifyVerticalMode>, "code";
-        /// Speed, metres per second or turns a minute.
+        /// Speed, metres per second or turns of the thruster per minute.
         speed: Option<f64> as Optional<Decimal<3>>, "m/s or rpm";
-        /// What the speed is.
+        /// The unit of the speed.
         speed_mode: Option<ModifySpeedMode> as Optional<ModifySpeedMode>, "code";
-        /// What the horizontal value is.
+        /// The meaning of the horizontal value.
         horizontal_mode: Option<HorizontalMode> as Optional<HorizontalMode>, "code";
     }
     "$BPRMB,081025.987,90,3,0,1.5,1,0*54"
@@ -181,18 +182,20 @@ messages! {
     }
     "$BPEMB,081025.987*62"
 
-    /// Passes on a message from the topside that came by the payload's own modem.
+    /// Passes on a message from the topside that came through the payload's own modem.
     "BPTMR" TopsideRelay, "7.14", "topside message relay" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
         /// How it came.
         transport: Transport as Transport, "code";
-        /// The message as it came, delimiters included; everything up to the checksum. One that holds `$BP` is not written.
+        /// The message as it came, with its delimiters: everything up to the checksum. A message that holds `$BP` is
+        /// not written.
         text: RelayedText as RelayedText, "text";
     }
     "$BPTMR,081025.987,3,abort*3A"
 
-    /// The payload's conductivity, temperature and pressure sensor, which helps the vehicle's navigation.
+    /// A measurement of the payload's conductivity, temperature and pressure sensor, which helps the vehicle's
+    /// navigation.
     "BPCTD" PayloadCtd, "7.15", "raw CTD sensor data" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -207,18 +210,18 @@ messages! {
     }
     "$BPCTD,081025.987,42914,10.25,303.4,081025.900*5A"
 
-    /// Ends the mission: its wrap-up follows.
+    /// Ends the mission. The vehicle then wraps it up.
     "BPABT" Abort, "7.16", "abort mission" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
         /// For people and logs.
         text: Text as LastText, "text";
-        /// Why. Read as errors where it is missing or empty.
+        /// The reason. A missing or empty field is read as errors.
         reason: AbortReason as OrDefault<AbortReason>, "code";
     }
     "$BPABT,081025.987,leak in bay 2,1*22"
 
-    /// Ends the mission and all movement: the vehicle drifts.
+    /// Ends the mission and all movement. The vehicle drifts.
     "BPKIL" Kill, "7.17", "kill mission" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -243,52 +246,52 @@ messages! {
     }
     "$BPRMP,081025.987*67"
 
-    /// Starts a mission that does nothing but what the payload asks for.
+    /// Starts a mission that does only what the payload asks for.
     "BPSEM" StartEmptyMission, "7.20", "start empty mission" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// How long it lasts at most.
+        /// The longest duration of the mission.
         duration: f64 as Decimal<3>, "h, min or s";
         /// The unit of the duration.
         unit: DurationUnit as DurationUnit, "code";
     }
     "$BPSEM,081025.987,1.5,0*69"
 
-    /// A position for the vehicle's navigation, from an acoustic positioning system or the like. The header of 7.21 misprints
-    /// the name as BPNU.
+    /// A position for the vehicle's navigation, from an acoustic positioning system or a similar source. The header of
+    /// 7.21 misprints the name as BPNU.
     "BPNPU" PositionFix, "7.21", "navigation position update" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
         /// The position.
         position: Position as Position, "deg";
-        /// Radius within which the vehicle is with a probability of one half, metres.
+        /// The radius within which the vehicle is with a probability of one half, metres.
         error_m: f64 as Decimal<3>, "m";
         /// Depth, metres.
         depth_m: f64 as Decimal<3>, "m";
-        /// Whether the vehicle must take it.
+        /// Whether the vehicle must accept the position.
         force: bool as Flag, "flag";
         /// When the position was measured, UTC.
         measured: TimeOfDay as TimeOfDay, "UTC";
     }
     "$BPNPU,081025.987,4221.810920,N,07106.846030,W,12.5,20.1,0,081024.500*65"
 
-    /// Quiets what could disturb acoustic sensors, or ends that.
+    /// Silences the devices that could disturb acoustic sensors, or ends the silence.
     "BPSIL" SilentMode, "7.22", "silent mode" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// Silent, or normal.
+        /// Silent mode, or normal mode.
         silent: bool as Flag, "flag";
     }
     "$BPSIL,081025.987,1*63"
 
-    /// Asks for the vehicle to be levelled.
+    /// Asks the vehicle to level itself.
     "BPTRM" TrimAdjustment, "7.23", "request trim adjustment behavior" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
     }
     "$BPTRM,081025.987*63"
 
-    /// Asks for the vehicle's buoyancy to be adjusted.
+    /// Asks the vehicle to adjust its buoyancy.
     "BPBOY" BuoyancyAdjustment, "7.24", "request buoyancy adjustment behavior" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -304,7 +307,7 @@ messages! {
     }
     "$BPVER,081025.987,1.12*59"
 
-    /// Suspends the mission of a hovering vehicle, for 2 s from the last one.
+    /// Suspends the mission of a hovering vehicle, for 2 s from the last such message.
     "BPSUS" Suspend, "8.1", "suspend mission" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -318,18 +321,18 @@ messages! {
     }
     "$BPCON,081025.987*6A"
 
-    /// Ends a suspension: the mission goes on.
+    /// Ends a suspension. The mission continues.
     "BPRES" Resume, "8.3", "resume mission" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
     }
     "$BPRES,081025.987*6C"
 
-    /// Limits the speed of movements relative to the hull. It outlives the suspension.
+    /// Limits the speed of movements relative to the hull. The limit outlives the suspension.
     "BPSPD" HullSpeedLimit, "8.4", "hull relative speed limit" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// Speed, metres per second; vehicles begin with 1.5.
+        /// Speed, metres per second; vehicles start with 1.5.
         speed_mps: f64 as Decimal<3>, "m/s";
     }
     "$BPSPD,081025.987,0.5*68"
@@ -364,7 +367,7 @@ messages! {
         x_m: f64 as Decimal<3>, "m";
         /// Along y, metres.
         y_m: f64 as Decimal<3>, "m";
-        /// What the vertical value is.
+        /// The meaning of the vertical value.
         reference: VerticalReference as VerticalReference, "code";
         /// Depth or altitude, metres.
         vertical_m: f64 as Decimal<3>, "m";
@@ -388,12 +391,12 @@ messages! {
     "BPRBO" BearingOffset, "8.9", "hull relative bearing offset" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
-        /// What is added, degrees.
+        /// The angle to add, degrees.
         offset_deg: f64 as Decimal<3>, "deg";
     }
     "$BPRBO,081025.987,-2.5*5F"
 
-    /// Moves the camera. Each figure is tenths of a second of movement.
+    /// Moves the camera. Each value is a movement in tenths of a second.
     "BPPTZ" Camera, "8.10", "pan tilt zoom camera control" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
@@ -412,18 +415,18 @@ messages! {
         created: TimeOfDay as Created, "UTC";
         /// Which light. Vehicles ignore it.
         light: i32 as i32, "count";
-        /// On, or off.
+        /// Whether to turn it on.
         on: bool as Flag, "flag";
     }
     "$BPLIT,081025.987,0,1*78"
 
-    /// Asks for an acoustic packet to be sent; only within a window that BFCMA gave.
+    /// Asks the vehicle to send an acoustic packet. The payload may send this only within a window that BFCMA gave.
     "BPCPD" Packet, "9.4", "communications packet data" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
         /// The payload's identifier for it, which BFCPS repeats.
         request: u32 as u32, "identifier";
-        /// Address of the modem that it is for.
+        /// The address of the receiving modem.
         destination: u32 as u32, "address";
         /// The modem's mode of transmission.
         mode: i32 as i32, "code";
@@ -496,7 +499,7 @@ mod tests {
     }
 
     #[test]
-    fn commands_say_when_they_were_made_if_they_do() {
+    fn commands_with_a_time_say_when_they_were_made() {
         assert_eq!(decode("$BPLOG,NVG,ON").created(), None);
         assert_eq!(decode("$BPRMP,000001").created(), TimeOfDay::from_nanos(1_000_000_000));
     }

@@ -4,8 +4,8 @@ use serde::{Deserialize, Deserializer};
 use crate::error::{EncodeError, Fault};
 use crate::sentence::{Fields, Sentence};
 
-/// A sentence whose name this crate does not know in its direction: to be counted and logged, and otherwise ignored
-/// (SPI 4.2). Serialised as its `name` and its raw `fields`.
+/// A sentence whose name this crate does not know in its direction. Programs should count and log it, and otherwise
+/// ignore it (SPI 4.2). Serialised as its `name` and its raw `fields`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownMessage {
     name: Box<str>,
@@ -13,10 +13,10 @@ pub struct UnknownMessage {
 }
 
 impl UnknownMessage {
-    /// From a name and raw fields.
+    /// Makes a message from a name and raw fields.
     ///
     /// # Errors
-    /// [`Fault`] where the name is not of letters and digits, or a field holds a delimiter or a control character.
+    /// [`Fault`] if the name is not letters and digits, or if a field holds a delimiter or a control character.
     pub fn new(name: &str, fields: &[&str]) -> Result<Self, Fault> {
         if name.is_empty() || !name.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
             return Err(Fault::expected("a name of letters and digits"));
@@ -42,7 +42,7 @@ impl UnknownMessage {
         &self.name
     }
 
-    /// The raw text of the fields; control characters, dollar signs and asterisks have become blanks.
+    /// The raw text of the fields. Control characters, dollar signs and asterisks are replaced by blanks.
     #[must_use]
     pub fn fields(&self) -> Fields<'_> {
         Fields::of(self.body.as_deref())
@@ -59,7 +59,7 @@ impl UnknownMessage {
         }
     }
 
-    /// Appends name and fields, without what stands around them.
+    /// Appends the name and the fields, without the dollar sign and the checksum.
     pub(crate) fn write(&self, out: &mut Vec<u8>, is_known: impl Fn(&str) -> bool) -> Result<(), EncodeError> {
         if is_known(&self.name) {
             return Err(EncodeError::Known {
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn what_would_break_the_sentence_is_refused() {
+    fn fields_that_would_break_the_sentence_are_refused() {
         assert!(UnknownMessage::new("", &[]).is_err());
         assert!(UnknownMessage::new("BF,A", &[]).is_err());
         assert!(UnknownMessage::new("BFABC", &["a\r\n$BPABT"]).is_err());

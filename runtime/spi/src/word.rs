@@ -1,4 +1,4 @@
-//! Eight bytes of text at once, as one little-endian integer: the first byte is the lowest.
+//! Works on eight bytes of text at once, as one little-endian integer: the first byte is the lowest.
 
 const ONES: u64 = u64::from_ne_bytes([1; 8]);
 const HIGHS: u64 = u64::from_ne_bytes([0x80; 8]);
@@ -8,7 +8,7 @@ pub(crate) const fn all(byte: u8) -> u64 {
     u64::from_ne_bytes([byte; 8])
 }
 
-/// Where the first such byte is, counted in bytes.
+/// The index of the first byte of this value.
 pub(crate) const fn first(word: u64, byte: u8) -> Option<usize> {
     match first_bit(word, byte) {
         64 => None,
@@ -16,31 +16,33 @@ pub(crate) const fn first(word: u64, byte: u8) -> Option<usize> {
     }
 }
 
-/// The lowest bit of the first such byte: a multiple of eight, 64 where there is none.
+/// The lowest bit of the first byte of this value: a multiple of eight, or 64 if there is none.
 pub(crate) const fn first_bit(word: u64, byte: u8) -> u32 {
-    // Zero where the byte was. Borrows make higher bytes look like hits; the lowest hit is always right.
+    // Bytes of this value become zero. Borrows can make higher bytes look like hits; the lowest hit is always right.
     let zeros = word ^ all(byte);
     let hits = zeros.wrapping_sub(ONES) & !zeros & HIGHS;
     hits.trailing_zeros() & !7
 }
 
-/// Whether each byte, taken as a number, is at most nine.
+/// Whether each byte, as a number, is at most nine.
 pub(crate) const fn are_digits(values: u64) -> bool {
-    // 118 more sets the high bit of 10 to 127; bytes with a high bit of their own may carry, and are refused themselves.
+    // Adding 118 sets the high bit of 10 to 127. Bytes that have a high bit themselves may carry, but they are refused
+    // for it anyway.
     (values.wrapping_add(all(118)) | values) & HIGHS == 0
 }
 
-/// The number that eight digits make, each a value and not a character, the lowest byte first.
+/// The number that eight digits make. Each digit is a value and not a character, and the lowest byte is the first
+/// digit.
 pub(crate) const fn number(digits: u64) -> u64 {
     let pairs = (digits.wrapping_mul((10 << 8) + 1) >> 8) & 0x00ff_00ff_00ff_00ff;
     let fours = (pairs.wrapping_mul((100 << 16) + 1) >> 16) & 0x0000_ffff_0000_ffff;
     fours.wrapping_mul((10_000 << 32) + 1) >> 32
 }
 
-/// The eight digits of a number below 1e8, as values and not as characters, the first one in the lowest byte.
+/// The eight digits of a number below 1e8, as values and not as characters. The first digit is in the lowest byte.
 pub(crate) const fn digits(number: u64) -> u64 {
     let fours = (number / 10_000) | ((number % 10_000) << 32);
-    // Exact reciprocals for what is divided here: 10486 / 2^20 below 10000, 103 / 2^10 below 100.
+    // These reciprocals are exact for the numbers here: 10486 / 2^20 below 10000, 103 / 2^10 below 100.
     let hundreds = (fours.wrapping_mul(10_486) >> 20) & 0x0000_007f_0000_007f;
     let twos = hundreds | ((fours - 100 * hundreds) << 16);
     let tens = (twos.wrapping_mul(103) >> 10) & 0x000f_000f_000f_000f;
@@ -71,7 +73,7 @@ mod tests {
         }
 
         #[test]
-        fn digits_are_told_from_all_else(bytes in proptest::array::uniform8(0..12u8), other: u8, at in 0..9usize) {
+        fn digits_are_distinguished_from_all_other_bytes(bytes in proptest::array::uniform8(0..12u8), other: u8, at in 0..9usize) {
             let mut bytes = bytes;
             if let Some(byte) = bytes.get_mut(at) {
                 *byte = other;

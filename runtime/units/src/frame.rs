@@ -14,7 +14,7 @@ const E2: f64 = FLATTENING * (2.0 - FLATTENING);
 /// Second eccentricity, squared.
 const EP2: f64 = E2 / (1.0 - E2);
 
-/// A point of a [`LocalFrame`], or the vector between two, metres.
+/// A point of a [`LocalFrame`], or the vector between two points, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EastNorth {
     /// Metres east of the frame's origin.
@@ -75,8 +75,8 @@ impl Mul<f64> for EastNorth {
 /// A plane east-north frame around an origin: the transverse Mercator projection of WGS84 with its central meridian
 /// through the origin and scale 1.
 ///
-/// Conformal, so that turns keep their angles. Within 50 km of the origin distances are true to 31 ppm, positions
-/// survive the round trip to a millimetre, and the frame's north differs from true north by
+/// The projection is conformal: it keeps angles. Within 50 km of the origin, distances are true to 31 ppm, a conversion
+/// there and back changes a position by less than a millimetre, and the frame's north differs from true north by
 /// [`LocalFrame::convergence_deg`] (0.4 degrees at 50 km and 42 N).
 ///
 /// Source: Snyder, *Map Projections: A Working Manual*, USGS Professional Paper 1395 (1987), equations 3-21, 8-9 to
@@ -88,7 +88,7 @@ pub struct LocalFrame {
 }
 
 impl LocalFrame {
-    /// How far from the origin the frame is to be used, metres.
+    /// The frame is meant for positions up to this far from the origin, metres.
     pub const RADIUS_M: f64 = 50_000.0;
 
     /// A frame around an origin. Its formulas fail at the poles: use it within ±85 degrees of latitude.
@@ -135,7 +135,8 @@ impl LocalFrame {
 
     /// The position of a point of this frame.
     ///
-    /// Points far outside [`LocalFrame::RADIUS_M`] are brought to the nearest legal latitude and longitude.
+    /// For points far outside [`LocalFrame::RADIUS_M`] the latitude is clamped to ±90 degrees and the longitude is
+    /// wrapped.
     #[must_use]
     pub fn to_position(&self, point: EastNorth) -> Position {
         let e1 = (1.0 - (1.0 - E2).sqrt()) / (1.0 + (1.0 - E2).sqrt());
@@ -182,13 +183,14 @@ impl LocalFrame {
         Position::from_deg(latitude_deg, longitude_deg).unwrap_or(self.origin)
     }
 
-    /// Angle from true north to the frame's north at a position, degrees, positive clockwise: a true heading less
-    /// this is a bearing of the frame. Snyder, page 51.
+    /// Angle from true north to the frame's north at a position, degrees, positive clockwise. Subtract it from a true
+    /// heading to get a bearing of the frame. Source: Snyder, page 51.
     #[must_use]
     pub fn convergence_deg(&self, position: Position) -> f64 {
         let longitude = self.longitude_from_origin_rad(position);
         let sin = crate::math::sin(position.latitude.as_deg().to_radians());
-        // The tangent's own series: an angle of at most a degree does not need the function, but wide ones do.
+        // Up to about one degree, the first terms of the tangent's series are exact enough. Wider angles need the
+        // function itself.
         if longitude.abs() > 0.02 {
             return atan(crate::math::tan(longitude) * sin).to_degrees();
         }
@@ -201,7 +203,8 @@ impl LocalFrame {
     }
 }
 
-/// Distance along the meridian from the equator, metres. Snyder 3-21, the sines of multiple angles by recurrence.
+/// Distance along the meridian from the equator, metres. Snyder 3-21, with the sines of the multiple angles by
+/// recurrence.
 fn meridian_arc_m(latitude_rad: f64, sin: f64, cos: f64) -> f64 {
     const E4: f64 = E2 * E2;
     const E6: f64 = E4 * E2;
@@ -229,7 +232,7 @@ mod tests {
 
     #[test]
     fn agrees_with_an_independent_projection() {
-        // 40 30 N, 73 30 W in UTM zone 18 (scale 0.9996, false easting 500 km) by PROJ 9.
+        // 40 30 N, 73 30 W in UTM zone 18 (scale 0.9996, false easting 500 km), as PROJ 9 computes it.
         let frame = LocalFrame::new(position(0.0, -75.0));
         let point = frame.to_local(position(40.5, -73.5));
         assert!(
@@ -249,7 +252,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn positions_survive_the_round_trip_to_a_millimetre(
+        fn a_round_trip_moves_a_point_by_less_than_a_millimetre(
             latitude in -80.0..80.0f64, longitude in -180.0..180.0f64, east in -50e3..50e3f64, north in -50e3..50e3f64,
         ) {
             let frame = LocalFrame::new(position(latitude, longitude));

@@ -1,10 +1,11 @@
 //! Quantities, time and geodesy.
 //!
-//! Newtypes are made by meaning, not by dimension: [`Depth`] and [`Altitude`] are both metres, and mixing them is
-//! the accident that loses vehicles. Plain `f64` stands only inside the mathematics, with its unit in its name.
+//! There is one newtype for each meaning, not for each dimension: [`Depth`] and [`Altitude`] are both in metres, and
+//! mistaking one for the other is how vehicles are lost. Plain `f64` occurs only inside the mathematics, with its unit
+//! in its name.
 //!
-//! Every function here is arithmetic or [`math`] (the `libm` crate), so that the same inputs give the same bits on
-//! every platform, the plugins' wasm32 included.
+//! Every function uses plain arithmetic and [`math`] (the crate `libm`) only. So the same inputs give the same bits on
+//! every platform, also in the plugins' wasm32.
 
 mod frame;
 pub mod math;

@@ -1,6 +1,7 @@
-//! The elementary functions, from `libm`: the same bits on every platform.
+//! The elementary functions, from `libm`, with the same bits on every platform.
 //!
-//! The standard library's come from the platform's C library and differ in the last place between systems.
+//! The functions of the standard library come from the platform's C library, and their last digit differs between
+//! systems.
 
 pub use core::f64::consts::{PI, SQRT_2, TAU};
 
@@ -52,13 +53,14 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
 
-/// Length of the vector (x, y). Plain arithmetic: this project's lengths neither overflow nor underflow.
+/// Length of the vector (x, y). Plain arithmetic is enough: no length in this project overflows or underflows when it
+/// is squared.
 #[must_use]
 pub fn hypot(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// e to the x.
+/// e to the power of x.
 #[must_use]
 pub fn exp(x: f64) -> f64 {
     libm::exp(x)
@@ -70,7 +72,7 @@ pub fn ln(x: f64) -> f64 {
     libm::log(x)
 }
 
-/// x to the y.
+/// x to the power of y.
 #[must_use]
 pub fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
@@ -82,7 +84,7 @@ pub fn tanh(x: f64) -> f64 {
     libm::tanh(x)
 }
 
-/// An angle in degrees brought into [0, 360).
+/// An angle in degrees, wrapped into [0, 360).
 #[must_use]
 pub fn wrap_360(deg: f64) -> f64 {
     if (0.0..360.0).contains(&deg) {
@@ -90,11 +92,11 @@ pub fn wrap_360(deg: f64) -> f64 {
     }
     let wrapped = deg % 360.0;
     let wrapped = if wrapped < 0.0 { wrapped + 360.0 } else { wrapped };
-    // A tiny negative angle rounds up to a whole turn.
+    // For a tiny negative angle, the sum above rounds to 360.
     if wrapped >= 360.0 { 0.0 } else { wrapped }
 }
 
-/// An angle in degrees brought into [-180, 180).
+/// An angle in degrees, wrapped into [-180, 180).
 #[must_use]
 pub fn wrap_180(deg: f64) -> f64 {
     let wrapped = wrap_360(deg);

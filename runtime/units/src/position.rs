@@ -13,7 +13,7 @@ macro_rules! angle {
             #[doc = concat!("From degrees within ±", stringify!($limit), ".")]
             ///
             /// # Errors
-            /// [`OutOfRange`] where it is not, or is not a number.
+            /// [`OutOfRange`] for other values and for NaN.
             pub fn from_deg(deg: f64) -> Result<Self, OutOfRange> {
                 if deg.abs() <= $limit {
                     Ok(Self(deg))
@@ -69,7 +69,7 @@ impl Position {
     /// From degrees, north and east positive.
     ///
     /// # Errors
-    /// [`OutOfRange`] where latitude is beyond ±90 or longitude beyond ±180.
+    /// [`OutOfRange`] if the latitude is beyond ±90 or the longitude is beyond ±180.
     pub fn from_deg(latitude_deg: f64, longitude_deg: f64) -> Result<Self, OutOfRange> {
         Ok(Self {
             latitude: Latitude::from_deg(latitude_deg)?,
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_position_is_serialised_with_its_units_and_checked_on_the_way_back() {
+    fn a_position_is_serialised_with_its_units_and_checked_when_read() {
         let position = Position::from_deg(42.25, -70.5).unwrap();
         let text = r#"{"latitude_deg":42.25,"longitude_deg":-70.5}"#;
         assert_eq!(serde_json::to_string(&position).unwrap(), text);

@@ -8,13 +8,13 @@ use crate::math::{wrap_180, wrap_360};
 pub struct OutOfRange {
     /// The quantity, in lower case: `depth`.
     pub quantity: &'static str,
-    /// The value that was given.
+    /// The value.
     pub value: f64,
     /// Its unit.
     pub unit: &'static str,
-    /// The least that is allowed.
+    /// The least allowed value.
     pub min: f64,
-    /// The most that is allowed.
+    /// The greatest allowed value.
     pub max: f64,
 }
 
@@ -29,7 +29,7 @@ macro_rules! quantity {
             #[doc = concat!("From a value in ", $unit, ", which must be within ", stringify!($min), " to ", stringify!($max), ".")]
             ///
             /// # Errors
-            /// [`OutOfRange`] where it is not, or is not a number.
+            /// [`OutOfRange`] for other values and for NaN.
             pub fn $from(value: f64) -> Result<Self, OutOfRange> {
                 if ($min..=$max).contains(&value) {
                     Ok(Self(value))
@@ -61,7 +61,7 @@ macro_rules! quantity {
 }
 
 quantity! {
-    /// Depth below the surface, metres, positive down. A little above the surface is possible: waves.
+    /// Depth below the surface, metres, positive down. Slightly negative values are allowed, because of waves.
     Depth, "depth", "m", from_m, as_m, -100.0..=12000.0
 }
 quantity! {
@@ -78,7 +78,7 @@ quantity! {
 #[serde(try_from = "f64", into = "f64")]
 pub struct Heading(f64);
 
-/// Heading from the north of a UTM grid, degrees clockwise, in [0, 360): what BFNVG reports (SPI 6.1).
+/// Heading from the north of a UTM grid, degrees clockwise, in [0, 360). BFNVG reports this heading (SPI 6.1).
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
 #[serde(try_from = "f64", into = "f64")]
 pub struct GridHeading(f64);
@@ -86,10 +86,10 @@ pub struct GridHeading(f64);
 macro_rules! heading {
     ($name:ident, $lower:literal) => {
         impl $name {
-            /// From degrees, brought into [0, 360).
+            /// From degrees, wrapped into [0, 360).
             ///
             /// # Errors
-            /// [`OutOfRange`] where the value is not finite or beyond ±1e6 degrees.
+            /// [`OutOfRange`] if the value is not finite or is beyond ±1e6 degrees.
             pub fn from_deg(deg: f64) -> Result<Self, OutOfRange> {
                 if deg.abs() <= 1e6 {
                     Ok(Self(wrap_360(deg)))
@@ -136,7 +136,7 @@ impl Heading {
         wrap_180(other.0 - self.0)
     }
 
-    /// The same direction counted from grid north, where grid north lies `convergence_deg` clockwise of true north.
+    /// The same direction, counted from a grid north that lies `convergence_deg` clockwise of true north.
     #[must_use]
     pub fn to_grid(self, convergence_deg: f64) -> GridHeading {
         GridHeading(wrap_360(self.0 - convergence_deg))
@@ -144,7 +144,7 @@ impl Heading {
 }
 
 impl GridHeading {
-    /// The same direction counted from true north, where grid north lies `convergence_deg` clockwise of true north.
+    /// The same direction, counted from true north. Grid north lies `convergence_deg` clockwise of it.
     #[must_use]
     pub fn to_true(self, convergence_deg: f64) -> Heading {
         Heading(wrap_360(self.0 + convergence_deg))
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn constructors_refuse_what_is_out_of_range_or_no_number() {
+    fn constructors_reject_out_of_range_values_and_nan() {
         assert!(Depth::from_m(20.0).is_ok());
         for bad in [f64::NAN, f64::INFINITY, -101.0, 12001.0] {
             assert!(Depth::from_m(bad).is_err(), "{bad}");
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn grid_and_true_are_each_others_inverse() {
+    fn to_grid_and_to_true_are_inverse() {
         let heading = Heading::from_deg(1.0).unwrap();
         let grid = heading.to_grid(2.0);
         assert_eq!(grid.as_deg(), 359.0);

@@ -11,14 +11,14 @@ const NANOS_PER_SECOND: u64 = 1_000_000_000;
 const SECONDS_PER_DAY: u64 = 86_400;
 const NANOS_PER_DAY: u64 = SECONDS_PER_DAY * NANOS_PER_SECOND;
 
-/// Nanoseconds since the start of the run: the only clock that the deterministic crates know, and it is given to them.
+/// Nanoseconds since the start of the run. The deterministic crates read no clock: their callers pass this time in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Timestamp(u64);
 
 impl Timestamp {
     /// The start of the run.
     pub const ZERO: Self = Self(0);
-    /// Later than anything: never.
+    /// Later than every other time. It means never.
     pub const MAX: Self = Self(u64::MAX);
 
     /// From nanoseconds since the start.
@@ -51,7 +51,7 @@ impl Timestamp {
         self.0 as f64 / 1e9
     }
 
-    /// How long after `earlier` this is; zero where it is before.
+    /// How long after `earlier` this is; zero if it is before `earlier`.
     #[must_use]
     pub const fn since(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.saturating_sub(earlier.0))
@@ -82,7 +82,7 @@ impl fmt::Display for Timestamp {
     }
 }
 
-/// An instant in UTC: nanoseconds since 1970-01-01T00:00:00, leap seconds not counted (as POSIX counts).
+/// An instant in UTC: nanoseconds since 1970-01-01T00:00:00 without leap seconds, as in POSIX.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Utc(u64);
 
@@ -114,16 +114,16 @@ impl Add<Duration> for Utc {
     }
 }
 
-/// A UTC time without its date, as SPI's timestamps are (section 4.2, Table 1): nanoseconds since midnight.
+/// A UTC time without a date, like SPI's timestamps (section 4.2, Table 1): nanoseconds since midnight.
 ///
 /// The leap second 23:59:60 is legal and is the last second of its day.
 ///
-/// Shown as `08:10:25.987`. Serialised in the same way, with nine decimals where there is more than milliseconds, and
-/// read back with any number of them.
+/// `Display` writes it as `08:10:25.987`. It is serialised in the same way, but with nine decimals if it is not a whole
+/// number of milliseconds. It is parsed with up to nine decimals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TimeOfDay(u64);
 
-/// A text that is no time of day.
+/// The text is not a time of day.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected a time of day: hh:mm:ss and at most nine decimals")]
 pub struct TimeOfDayError;
@@ -142,7 +142,8 @@ impl TimeOfDay {
         }
     }
 
-    /// From hours, minutes, seconds and nanoseconds; `None` where that is no time of day. Second 60 only as 23:59:60.
+    /// From hours, minutes, seconds and nanoseconds; `None` if that is not a time of day. Second 60 is allowed in
+    /// 23:59:60 only.
     #[must_use]
     pub const fn from_hms_nano(hour: u32, minute: u32, second: u32, nanos: u32) -> Option<Self> {
         let leap = hour == 23 && minute == 59 && second == 60;
@@ -175,13 +176,13 @@ impl TimeOfDay {
         )
     }
 
-    /// The same time cut (never rounded up, which could reach the next day) to whole milliseconds.
+    /// The same time, truncated to whole milliseconds. Rounding up could reach the next day.
     #[must_use]
     pub const fn truncated_to_millis(self) -> Self {
         Self(self.0 - self.0 % 1_000_000)
     }
 
-    /// Nanoseconds from `earlier` to this, the short way round midnight: within ±12 h.
+    /// Nanoseconds from `earlier` to this, counted the shorter way round the clock: within ±12 h.
     #[must_use]
     pub const fn nanos_since(self, earlier: Self) -> i64 {
         let day = NANOS_PER_DAY as i64;
@@ -198,7 +199,7 @@ impl TimeOfDay {
 
 impl Add<Duration> for TimeOfDay {
     type Output = Self;
-    /// Passes midnight.
+    /// Wraps at midnight.
     fn add(self, later: Duration) -> Self {
         let nanos = (self.0 as u128 + later.as_nanos()) % NANOS_PER_DAY as u128;
         Self(nanos as u64)
@@ -269,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn differences_pass_midnight_the_short_way() {
+    fn differences_across_midnight_take_the_short_way() {
         assert_eq!(at(0, 0, 1).nanos_since(at(23, 59, 59)), 2_000_000_000);
         assert_eq!(at(23, 59, 59).nanos_since(at(0, 0, 1)), -2_000_000_000);
         assert_eq!(at(12, 0, 1).nanos_since(at(12, 0, 0)), 1_000_000_000);
@@ -292,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn times_of_day_are_serialised_as_they_are_shown_and_nothing_is_lost() {
+    fn times_of_day_are_serialised_and_parsed_without_loss() {
         let time = |text: &str| text.parse::<TimeOfDay>();
         for (value, text) in [
             (at(8, 10, 25), "08:10:25.000"),

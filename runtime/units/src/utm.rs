@@ -3,8 +3,9 @@ use crate::position::Position;
 
 /// Angle from true north to the grid north of the position's UTM zone, degrees, positive clockwise.
 ///
-/// BFNVG's heading has it applied (SPI 6.1). At 42 N and 3 degrees off the central meridian it is 2 degrees. Zones are
-/// those of the UTM grid, the wider ones of Norway and Svalbard included. Snyder (1987), page 51 and 57 to 63.
+/// BFNVG's heading counts from grid north, so this angle is already subtracted from it (SPI 6.1). At 42 N and 3 degrees
+/// off the central meridian it is 2 degrees. The zones are those of the UTM grid, with the wider ones of Norway and
+/// Svalbard. Source: Snyder (1987), pages 51 and 57 to 63.
 #[must_use]
 pub fn utm_convergence_deg(position: Position) -> f64 {
     let longitude = wrap_180(position.longitude.as_deg() - central_meridian_deg(position)).to_radians();
@@ -34,14 +35,14 @@ mod tests {
     use super::*;
     use crate::frame::LocalFrame;
 
-    /// The plane frame's own convergence is the same formula about another meridian.
+    /// The convergence of [`LocalFrame`] has the same formula, with another meridian.
     fn by_frame(position: Position, meridian_deg: f64) -> f64 {
         let origin = Position::from_deg(position.latitude.as_deg(), meridian_deg).unwrap();
         LocalFrame::new(origin).convergence_deg(position)
     }
 
     #[test]
-    fn two_degrees_at_42_north_three_off_the_central_meridian() {
+    fn convergence_is_two_degrees_at_42_north_and_three_off_the_central_meridian() {
         let position = Position::from_deg(42.0, -66.0 - 1e-9).unwrap();
         assert!((utm_convergence_deg(position) - 2.008).abs() < 0.001);
         assert!((utm_convergence_deg(position) - by_frame(position, -69.0)).abs() < 1e-6);

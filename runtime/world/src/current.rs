@@ -1,4 +1,4 @@
-//! The current: a mean flow, tidal streams, and what depth and the bed make of them.
+//! The current: a mean flow and tidal streams, and how both change with depth and near the bed.
 
 mod profile;
 mod tide;
@@ -16,22 +16,22 @@ use crate::error::{WorldError, check};
 use crate::span::Span;
 use crate::stream::Stream;
 
-/// The `[current]` section: a flow that is the same everywhere and turns slowly, and tidal streams upon it; both
-/// weaker, or turned, with depth where that is asked for, and falling to nothing at the bed.
+/// The `[current]` section: a flow that is the same everywhere and turns slowly, plus tidal streams. If the
+/// configuration says so, both become weaker or turn with depth, and fall to zero at the bed.
 ///
 /// ```
 /// let config: backseat_world::CurrentConfig = toml::from_str(r#"
 /// speed_mps = [0.0, 0.1]
 /// bottom_boundary_m = 5
 ///
-/// [[tides]]                # M2, an ellipse along north-east
+/// [[tides]]                # M2, an ellipse with its major axis to the north-east
 /// speed_mps = 0.3
 /// towards_deg = 45
 /// period_h = 12.4206
 /// phase_deg = [0, 360]
 /// ellipticity = 0.2
 ///
-/// [[layers]]               # as it is down to 10 m, half of it and turned right from 30 m down
+/// [[layers]]               # unchanged down to 10 m; half as fast and turned right from 30 m down
 /// depth_m = 10
 /// [[layers]]
 /// depth_m = 30
@@ -46,19 +46,20 @@ use crate::stream::Stream;
 pub struct CurrentConfig {
     /// Speed at the surface, metres a second, 0 to 5.
     pub speed_mps: Span,
-    /// Where it flows to at the start, degrees clockwise from the frame's north.
+    /// The direction in which it flows at the start, degrees clockwise from the frame's north.
     pub towards_deg: Span,
-    /// Time of one full clockwise turn, hours, 0.1 or more; none does not turn. A semidiurnal tide has 12.42.
+    /// Time of one full clockwise turn, hours, 0.1 or more; without it, the flow does not turn. A semidiurnal tide has
+    /// 12.42.
     pub rotation_h: Option<Span>,
-    /// Depth over which all of the current falls to 1/e, metres, 1 or more; none does not fall.
+    /// Depth at which the whole current has fallen to 1/e, metres, 1 or more; without it, the current does not fall.
     pub decay_depth_m: Option<f64>,
     /// Tidal streams, at most 8.
     pub tides: Vec<TideConfig>,
-    /// What becomes of all of the current with depth, at most 16 layers from the shallowest down; not beside
+    /// How the whole current changes with depth: at most 16 layers, from the shallowest down; not together with
     /// `decay_depth_m`.
     pub layers: Vec<LayerConfig>,
-    /// Height of the layer over the bed in which the current falls to nothing, metres, 0.1 to 100; none has no such
-    /// layer. The depth of the water is then looked up at each call.
+    /// Height of the layer over the bed in which the current falls to zero, metres, 0.1 to 100; without it, there is no
+    /// such layer. With it, [`World::current_at`](crate::World::current_at) looks up the water depth at each call.
     pub bottom_boundary_m: Option<f64>,
 }
 
@@ -76,13 +77,13 @@ impl Default for CurrentConfig {
     }
 }
 
-/// The current that a seed has drawn.
+/// The current, drawn by a seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Current {
     speed_mps: f64,
     towards_rad: f64,
     rotation_rad_per_s: f64,
-    /// East and north at the start: what it stays where it does not turn.
+    /// East and north at the start, and always if the flow does not turn.
     at_start: (f64, f64),
     tides: Vec<Ellipse>,
     profile: Profile,
@@ -93,7 +94,7 @@ impl Current {
     /// Draws a current.
     ///
     /// # Errors
-    /// [`WorldError`] where the configuration leaves its ranges.
+    /// [`WorldError`] if a value of the configuration is out of range.
     pub fn new(config: &CurrentConfig, seed: u64) -> Result<Self, WorldError> {
         config.speed_mps.within(0.0, 5.0, "current.speed_mps", "0 to 5 m/s")?;
         config
@@ -141,14 +142,14 @@ impl Current {
         self.profile.apply((east, north), depth_m)
     }
 
-    /// Whether the bed slows this current down: [`Current::near_bed`] is 1 everywhere otherwise.
+    /// Whether the bed slows this current down. If not, [`Current::near_bed`] is 1 everywhere.
     #[must_use]
     pub const fn feels_the_bed(&self) -> bool {
         self.bottom_boundary_m.is_some()
     }
 
-    /// The part of the current that is left at a height over the bed, 0 to 1: the one-seventh power law within
-    /// `bottom_boundary_m`.
+    /// The part of the current that is left at a height over the bed, 0 to 1. Within `bottom_boundary_m` it follows the
+    /// one-seventh power law.
     ///
     /// Source: Soulsby, *Dynamics of Marine Sands* (1997), section 3.3.
     #[must_use]
@@ -163,7 +164,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_turns_and_decays() {
+    fn a_current_turns_and_decays() {
         let config = CurrentConfig {
             speed_mps: Span::fixed(0.4),
             towards_deg: Span::fixed(90.0),
@@ -195,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_and_tides_add_up_and_the_layers_take_both() {
+    fn layers_change_the_sum_of_mean_flow_and_tides() {
         let text = "
             speed_mps = 0.2
             towards_deg = 0
@@ -214,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bed_slows_it_down_by_the_seventh_root() {
+    fn near_the_bed_the_current_follows_the_seventh_root() {
         let config: CurrentConfig = toml::from_str("speed_mps = 0.3\nbottom_boundary_m = 4").unwrap();
         let current = Current::new(&config, 1).unwrap();
         for (height_m, part) in [(-1.0, 0.0), (0.0, 0.0), (4.0 / 128.0, 0.5), (4.0, 1.0), (9.0, 1.0)] {

@@ -1,61 +1,61 @@
 use backseat_units::OutOfRange;
 
-/// A world that cannot be: which key or which place of a file, and what was expected there.
+/// Why a world cannot be made: the key, or the place in a file, and what was expected there.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorldError {
-    /// A number outside what its key allows.
+    /// A number is out of the range of its key.
     #[error("{key} is {value}, expected {expected}")]
     Value {
         /// The key with its section: `seabed.depth_m`.
         key: &'static str,
-        /// The number that was given (the offending end of a span).
+        /// The number (of a span, the end that is out of range).
         value: f64,
-        /// What is allowed, in words.
+        /// The allowed range, in words.
         expected: &'static str,
     },
-    /// A key that does not go with the others.
+    /// A key cannot be combined with the others.
     #[error("{key}: expected {expected}")]
     Conflict {
         /// The key with its section: `seabed.grid_frame`.
         key: &'static str,
-        /// What would go with the others, in words.
+        /// What can be combined with the others, in words.
         expected: &'static str,
     },
     /// The origin is not on the globe.
     #[error("origin: {0}")]
     Origin(#[from] OutOfRange),
-    /// The configuration names a grid and none came with it.
-    #[error("seabed.grid is `{path}`, expected the grid of that file: only its name was given")]
+    /// The configuration names a grid, but the caller passed none.
+    #[error("seabed.grid is `{path}`, but the caller passed no grid: expected the content of that file")]
     GridNotGiven {
-        /// The path, as the configuration has it.
+        /// The path from the configuration.
         path: String,
     },
-    /// A grid's text that cannot be read.
+    /// The text of a grid cannot be read.
     #[error("grid, line {line}: {found}, expected {expected}")]
     GridText {
         /// Line of the file, from 1.
         line: usize,
-        /// What stands there.
+        /// What was found there.
         found: String,
-        /// What should.
+        /// What was expected there.
         expected: String,
     },
-    /// A GeoTIFF that cannot be read.
+    /// A GeoTIFF cannot be read.
     #[error("grid, GeoTIFF: {what} is {found}, expected {expected}")]
     GridTiff {
         /// The tag, or the place in the file.
         what: &'static str,
-        /// What stands there.
+        /// What was found there.
         found: String,
-        /// What should.
+        /// What was expected there.
         expected: &'static str,
     },
-    /// A cell of the grid without a value, and no depth given for such cells.
+    /// A cell of the grid has no value, and the configuration gives no depth for such cells.
     #[error("grid, row {row}, column {column}: no data, expected a value there or seabed.grid_nodata_depth_m")]
     GridNoData {
-        /// Row, from 1, the northernmost first.
+        /// Row, from 1, counted from the north.
         row: usize,
-        /// Column, from 1, the westernmost first.
+        /// Column, from 1, counted from the west.
         column: usize,
     },
 }
@@ -69,7 +69,7 @@ pub(crate) fn check(ok: bool, key: &'static str, value: f64, expected: &'static 
     }
 }
 
-/// Checks one key of a configuration against the others.
+/// Checks whether a key of a configuration can be combined with the others.
 pub(crate) fn agree(ok: bool, key: &'static str, expected: &'static str) -> Result<(), WorldError> {
     if ok {
         Ok(())

@@ -1,4 +1,5 @@
-//! Scalar fields: what the water holds, with depth, and what plumes, filaments and fronts add to it.
+//! Scalar fields: temperature, conductivity and tracer of the water. They change with depth, and plumes, filaments and
+//! fronts add to them.
 
 mod filament;
 mod front;
@@ -21,7 +22,7 @@ pub use thermocline::ThermoclineConfig;
 use crate::error::{WorldError, check};
 use crate::span::Span;
 
-/// The `[field]` section: what the water holds, and what is in it.
+/// The `[field]` section: temperature and conductivity of the water, and the plumes, filaments and fronts in it.
 ///
 /// ```
 /// let config: backseat_world::FieldConfig = toml::from_str(r#"
@@ -39,7 +40,7 @@ use crate::span::Span;
 /// temperature_c = 2
 /// tracer = 1
 ///
-/// [[filaments]]              # a seep whose water drifts north-east in puffs
+/// [[filaments]]              # a seep, whose water drifts north-east in puffs
 /// east_m = [-100, 100]
 /// north_m = [-100, 100]
 /// towards_deg = 45
@@ -65,7 +66,7 @@ use crate::span::Span;
 pub struct FieldConfig {
     /// Temperature at the surface, degrees Celsius, -2 to 40.
     pub temperature_c: f64,
-    /// How much colder it gets a metre down, degrees Celsius a metre, within ±1.
+    /// How much colder the water gets with depth, degrees Celsius per metre, within ±1.
     pub cooling_c_per_m: f64,
     /// Conductivity, microsiemens a centimetre, 0 to 100000 (sea water: about 40000).
     pub conductivity_us_per_cm: f64,
@@ -97,7 +98,7 @@ const fn zero() -> Span {
     Span::fixed(0.0)
 }
 
-/// What a feature adds where its share is 1.
+/// What a feature adds to each field where its share is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Adds {
     temperature_c: f64,
@@ -105,7 +106,7 @@ struct Adds {
     tracer: f64,
 }
 
-/// The scalar fields that a seed has drawn.
+/// The scalar fields, drawn by a seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     temperature_c: f64,
@@ -122,7 +123,7 @@ impl Field {
     /// Draws the fields.
     ///
     /// # Errors
-    /// [`WorldError`] where the configuration leaves its ranges.
+    /// [`WorldError`] if a value of the configuration is out of range.
     pub fn new(config: &FieldConfig, seed: u64) -> Result<Self, WorldError> {
         validate(config)?;
         let thermocline = match &config.thermocline {
@@ -164,7 +165,7 @@ impl Field {
             .max(0.0)
     }
 
-    /// What plumes and filaments carry of their tracer, in the unit that the configuration takes it in; none elsewhere.
+    /// Concentration of the tracer that plumes and filaments carry, in the unit of the configuration; 0 elsewhere.
     #[must_use]
     pub fn concentration(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
         self.add_to(0.0, |adds| adds.tracer, at, depth_m, time)
@@ -177,7 +178,7 @@ impl Field {
         }
         for filament in &self.filaments {
             let full = of(&filament.adds);
-            // Its share is the dearest, and many carry but one thing.
+            // The share of a filament is the most expensive to compute, and most filaments add to one field only.
             if full != 0.0 {
                 sum += full * filament.share(at, depth_m, time);
             }
@@ -188,23 +189,23 @@ impl Field {
         sum
     }
 
-    /// Where the plumes add most: to the temperature where any plume warms, else to the conductivity. Each plume is
-    /// taken at its own depth, so that this is the maximum of the field seen from above. Filaments and fronts move and
-    /// have no part in it. None without such a plume.
+    /// The place where the plumes add most: to the temperature if any plume warms the water, otherwise to the
+    /// conductivity. Each plume counts with its value at its own depth, so this is the maximum of the field seen from
+    /// above. Filaments and fronts do not count, because they move. `None` if there is no such plume.
     #[must_use]
     pub fn maximum(&self) -> Option<EastNorth> {
         self.maximum
     }
 
-    /// Where the filaments spring from, in the order of the configuration.
+    /// The sources of the filaments, in the order of the configuration.
     pub fn sources(&self) -> impl Iterator<Item = EastNorth> {
         self.filaments.iter().map(Filament::source)
     }
 }
 
-/// From 0 far below zero to 1 far above it, by a hyperbolic tangent.
+/// A step from 0 (far below `x` = 0) to 1 (far above), in the shape of a hyperbolic tangent.
 fn smooth_step(x: f64) -> f64 {
-    // A tangent of 20 is 1 to the last place.
+    // The hyperbolic tangent of 20 is 1 to the last digit.
     if x > 20.0 {
         1.0
     } else if x < -20.0 {
@@ -226,7 +227,7 @@ fn validate(config: &FieldConfig) -> Result<(), WorldError> {
         config.cooling_c_per_m.abs() <= 1.0,
         "field.cooling_c_per_m",
         config.cooling_c_per_m,
-        "within 1 a metre",
+        "-1 to 1 degrees Celsius per metre",
     )?;
     let conductivity = config.conductivity_us_per_cm;
     let conductivity_ok = (0.0..=100_000.0).contains(&conductivity);
@@ -287,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plume_at_a_depth_is_felt_only_near_it() {
+    fn a_plume_at_a_depth_has_no_effect_far_from_it() {
         let plumes = vec![PlumeConfig {
             depth_m: Some(Span::fixed(30.0)),
             sigma_depth_m: Some(5.0),

@@ -1,4 +1,4 @@
-//! A grid of depths or elevations, as a file has it.
+//! A grid of depths or elevations, with the values of its file.
 
 mod directory;
 mod esri_ascii;
@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use crate::error::WorldError;
 
-/// How the coordinates of a grid are meant.
+/// What the coordinates of a grid are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum GridFrame {
@@ -22,7 +22,7 @@ pub enum GridFrame {
     Geographic,
 }
 
-/// How the values of a grid are meant.
+/// What the values of a grid are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum GridPositive {
@@ -35,8 +35,8 @@ pub enum GridPositive {
 
 /// A regular grid with a value at the centre of each cell, rows from the north, columns from the west.
 ///
-/// Values are kept in single precision (half a millimetre at 6000 m). A clone shares them: read a file once and draw
-/// as many worlds over it as are needed.
+/// Values are stored in single precision (half a millimetre at 6000 m). Clones share them, so you can read a file once
+/// and draw any number of worlds over it.
 #[derive(Clone, PartialEq)]
 pub struct Grid {
     layout: Layout,
@@ -44,7 +44,7 @@ pub struct Grid {
     values: Arc<Vec<f32>>,
 }
 
-/// Where the cells of a grid lie, in the unit of its file.
+/// The positions of a grid's cells, in the unit of its file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Layout {
     pub(crate) columns: usize,
@@ -56,20 +56,20 @@ pub(crate) struct Layout {
     /// Width and height of a cell.
     pub(crate) cell_east: f64,
     pub(crate) cell_north: f64,
-    /// What the file itself says of its coordinates, where it does.
+    /// What the file says about its coordinates, if it says anything.
     pub(crate) declared: Option<GridFrame>,
 }
 
-/// A cell without a value: no depth or elevation reaches it, see [`VALUE_MAX_M`].
+/// Marks a cell without a value. No depth or elevation is as great, see [`VALUE_MAX_M`].
 const NO_DATA: f32 = f32::MAX;
-/// Beyond any depth and any mountain, metres.
+/// More than any depth of the sea and any height of a mountain, metres.
 const VALUE_MAX_M: f64 = 12_000.0;
-/// The most cells that a grid may have: 100 MB of them.
+/// The most cells that a grid may have. They take 100 MB.
 const CELLS_MAX: usize = 25_000_000;
-/// As messages have it.
-const VALUE_EXPECTED: &str = "a number within 12000 m";
+/// The text for error messages.
+const VALUE_EXPECTED: &str = "a number, -12000 to 12000 m";
 
-/// A value of the bilinear surface, and its slope in the file's own unit.
+/// A value of the bilinear surface, and its slopes per unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sample {
     pub(crate) value: f64,
@@ -78,7 +78,7 @@ pub(crate) struct Sample {
 }
 
 impl Grid {
-    /// Reads a file's content: a GeoTIFF by its first bytes, an ESRI ASCII grid otherwise.
+    /// Reads the content of a file: a GeoTIFF if the first bytes say so, otherwise an ESRI ASCII grid.
     ///
     /// # Errors
     /// [`WorldError`] as [`Grid::from_geotiff`] and [`Grid::from_esri_ascii`].
@@ -92,7 +92,7 @@ impl Grid {
                 let before = bytes.get(..error.valid_up_to()).unwrap_or_default();
                 Err(WorldError::GridText {
                     line: 1 + before.iter().filter(|byte| **byte == b'\n').count(),
-                    found: "bytes that are no text".to_owned(),
+                    found: "bytes that are not text".to_owned(),
                     expected: "an ESRI ASCII grid or a GeoTIFF".to_owned(),
                 })
             }
@@ -100,48 +100,48 @@ impl Grid {
     }
 
     /// Reads an ESRI ASCII grid: `ncols`, `nrows`, `xllcorner` or `xllcenter`, `yllcorner` or `yllcenter`, `cellsize`
-    /// and perhaps `NODATA_value` (-9999 where it is absent), in any case and order, then the values, rows from the
-    /// north, over as many lines as the writer liked.
+    /// and optionally `NODATA_value` (-9999 if it is absent), in upper or lower case and in any order; then the values,
+    /// rows from the north, on any number of lines.
     ///
     /// Source: ESRI, "Esri ASCII raster format", ArcGIS documentation.
     ///
     /// # Errors
-    /// [`WorldError::GridText`] with line and value where the text breaks that form, where a value is beyond 12,000 m,
-    /// or where the grid has less than two rows or columns or over 25 million cells. Memory is bounded by the text's
-    /// own length, whatever its header claims.
+    /// [`WorldError::GridText`] with line and value if the text does not have that form, if a value is beyond ±12,000
+    /// m, or if the grid has fewer than two rows or columns or more than 25 million cells. The length of the text
+    /// bounds the memory, whatever the header says.
     pub fn from_esri_ascii(text: &str) -> Result<Self, WorldError> {
         esri_ascii::read(text)
     }
 
     /// Reads the first image of a GeoTIFF: one band of integers or floats, in strips or tiles, uncompressed, LZW,
-    /// deflate or PackBits. It must lie north up: a pixel scale and one tie point. No-data is what `GDAL_NODATA` says;
-    /// a value that is not a number is no data too.
+    /// deflate or PackBits. North must be up: the file has a pixel scale and one tie point. A value equal to
+    /// `GDAL_NODATA`, or NaN, means no data.
     ///
     /// Source: OGC 19-008r4, GeoTIFF 1.1, annex B (tags) and section 7.5 (raster space); GDAL's documentation for
     /// `GDAL_NODATA`.
     ///
     /// # Errors
-    /// [`WorldError::GridTiff`] where the file breaks that form or is cut, where a value is beyond 12,000 m, or where
-    /// the grid has less than two rows or columns or over 25 million cells. Memory is bounded by what a file of that
-    /// length can hold, whatever its tags claim.
+    /// [`WorldError::GridTiff`] if the file does not have that form or is truncated, if a value is beyond ±12,000 m, or
+    /// if the grid has fewer than two rows or columns or more than 25 million cells. What a file of this length can
+    /// hold bounds the memory, whatever its tags say.
     pub fn from_geotiff(bytes: &[u8]) -> Result<Self, WorldError> {
         geotiff::read(bytes)
     }
 
-    /// How many columns, 2 or more.
+    /// Number of columns, 2 or more.
     #[must_use]
     pub const fn columns(&self) -> usize {
         self.layout.columns
     }
 
-    /// How many rows, 2 or more.
+    /// Number of rows, 2 or more.
     #[must_use]
     pub const fn rows(&self) -> usize {
         self.layout.rows
     }
 
-    /// The value of a cell as the file has it, metres; both numbers from 0, from the north and from the west. None
-    /// where the file has none, and outside.
+    /// The value of a cell in the file, metres. `row` counts from 0 in the north, `column` from 0 in the west. `None`
+    /// for a cell without data and outside the grid.
     #[must_use]
     pub fn value(&self, row: usize, column: usize) -> Option<f64> {
         if column >= self.layout.columns {
@@ -163,8 +163,8 @@ impl Grid {
         Some((index / self.layout.columns, index % self.layout.columns))
     }
 
-    /// The bilinear surface through the cells' centres at a place given in the file's unit. Outside of the outermost
-    /// centres it goes on level, as the nearest of them. `no_data` stands in for cells without a value.
+    /// The bilinear surface through the centres of the cells, at a place in the file's unit. Outside the outermost
+    /// centres it is level and has the nearest value. Cells without a value have the value `no_data`.
     pub(crate) fn sample(&self, x: f64, y: f64, no_data: f64) -> Sample {
         let layout = &self.layout;
         let (column, across, east_per_unit) = share(x - layout.west, layout.cell_east, layout.columns);
@@ -187,7 +187,7 @@ impl Grid {
 }
 
 impl fmt::Debug for Grid {
-    /// Without its values: there may be millions.
+    /// Leaves out the values, because there may be millions.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Grid")
             .field("layout", &self.layout)
@@ -195,8 +195,8 @@ impl fmt::Debug for Grid {
     }
 }
 
-/// The cell that a distance from the first centre falls into, how far into it, and how much of it a unit is: none
-/// outside, where the surface is level.
+/// For a distance from the first centre: the index of its cell, how far it is into the cell (0 to 1), and how much of a
+/// cell one unit is. The last is 0 outside, where the surface is level.
 fn share(distance: f64, cell: f64, count: usize) -> (usize, f64, f64) {
     let cells = distance / cell;
     let last = (count - 1) as f64;
@@ -206,7 +206,7 @@ fn share(distance: f64, cell: f64, count: usize) -> (usize, f64, f64) {
     (index, cells - index as f64, if inside { 1.0 / cell } else { 0.0 })
 }
 
-/// The content of a file, cut to what fits a message on one line.
+/// Text from a file, cut short so that it fits into a message of one line.
 fn quoted(text: &str) -> String {
     let mut quoted: String = text.chars().take(40).flat_map(char::escape_debug).collect();
     if text.chars().nth(40).is_some() {
@@ -233,7 +233,7 @@ mod tests {
         );
         assert_eq!(grid.sample(14.0, 24.0, 0.0).value, 2.0);
         assert_eq!(grid.sample(18.0, 20.0, 0.0).value, 32.0);
-        // A quarter of the way east, half of the way south: (1 + 0.25) and (8 + 2), their mean.
+        // A quarter of a cell east and half a cell south: the mean of 1 + 0.25 and 8 + 2.
         let sample = grid.sample(11.0, 22.0, 0.0);
         assert_eq!(sample.value, (1.25 + 10.0) / 2.0);
         assert_eq!(sample.slope_east, (1.0 + 8.0) / 2.0 / 4.0);
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_it_goes_on_level_as_the_nearest_edge() {
+    fn outside_a_grid_has_the_value_of_its_nearest_edge() {
         let grid = grid();
         let beyond = grid.sample(1000.0, 22.0, 0.0);
         assert_eq!((beyond.value, beyond.slope_east, beyond.slope_north), (18.0, 0.0, -7.0));
@@ -251,11 +251,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_neither_text_nor_tiff_is_refused_with_its_line() {
+    fn a_file_that_is_neither_text_nor_tiff_is_rejected_with_its_line() {
         let error = Grid::from_bytes(b"ncols 2\n\xff\xfe").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "grid, line 2: bytes that are no text, expected an ESRI ASCII grid or a GeoTIFF"
+            "grid, line 2: bytes that are not text, expected an ESRI ASCII grid or a GeoTIFF"
         );
     }
 }

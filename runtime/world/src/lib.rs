@@ -1,9 +1,9 @@
-//! What only simulation knows: seabed, tide, current, scalar fields and targets; seeded.
+//! The simulated sea: seabed, tide, current, scalar fields and targets, drawn by a seed.
 //!
-//! A [`World`] is made once from a [`WorldConfig`] and a seed, and is then a pure function of place and time: it has
-//! no state that moves, so that the vehicle, its sensors and the judge of a run all see the same sea. Everything is
-//! analytic but a seabed from a [`Grid`], in the east-north frame about the configured origin; `north` here is the
-//! frame's, which differs from true north by
+//! A [`World`] is made once from a [`WorldConfig`] and a seed. From then on it is a pure function of place and time: it
+//! has no state that changes, so the vehicle, its sensors and the judge of a run all see the same sea. Everything is
+//! analytic, except a seabed from a [`Grid`]. Places are in the east-north frame around the configured origin. `north`
+//! is the frame's north, which differs from true north by
 //! [`LocalFrame::convergence_deg`](backseat_units::LocalFrame::convergence_deg).
 //!
 //! | section | what it gives | see |
@@ -13,14 +13,14 @@
 //! | `[tide]` | the water level | [`TideLevelConfig`] |
 //! | `[current]` | a mean flow, tidal ellipses, layers, a boundary layer at the bed | [`CurrentConfig`] |
 //! | `[field]` | temperature, conductivity and a tracer: thermocline, plumes, filaments, fronts | [`FieldConfig`] |
-//! | `[[targets]]` | things on the seabed, for a sonar | [`TargetConfig`] |
+//! | `[[targets]]` | objects on the seabed, for a sonar | [`TargetConfig`] |
 //!
-//! Salinity, pressure and the speed of sound follow from the fields by [`seawater`]'s equations.
+//! Salinity, pressure and the speed of sound are computed from the fields with the equations in [`seawater`].
 //!
-//! Numbers of the configuration are [`Span`]s: one number, or `[least, most]` between which the seed draws.
-//! Each source of chance has its own [`Stream`], so that a change in one leaves the others as they were.
+//! Numbers in the configuration are [`Span`]s: one number, or a range `[least, most]` from which the seed draws. Each
+//! part of the world draws from its own [`Stream`], so a change to one part does not change the others.
 //!
-//! The crate opens no file. Where `seabed.grid` names one, whoever reads the configuration reads it too:
+//! The crate opens no file. If `seabed.grid` names one, the code that reads the configuration must read it too:
 //!
 //! ```
 //! use backseat_world::{Grid, World, WorldConfig};
@@ -32,7 +32,7 @@
 //! [seabed]
 //! grid = "bed.asc"
 //! "#)?;
-//! // Of the file that `config.seabed.grid` names.
+//! // The content of the file that `config.seabed.grid` names.
 //! let bytes = b"ncols 2 nrows 2 xllcorner -100 yllcorner -100 cellsize 100  30 30  40 40";
 //! let world = World::with_grid(&config, 7, Some(Grid::from_bytes(bytes)?))?;
 //! assert_eq!(world.water_depth_m(backseat_units::EastNorth::default()), 35.0);

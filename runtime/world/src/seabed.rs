@@ -13,13 +13,14 @@ use crate::error::{WorldError, agree, check};
 use crate::grid::{Grid, GridFrame, GridPositive};
 use crate::span::Span;
 
-/// The `[seabed]` section: a shelf that slopes one way, with meanders and banks drawn by the seed; or a grid.
+/// The `[seabed]` section: either a shelf that slopes in one direction, with meanders and banks drawn by the seed, or a
+/// grid.
 ///
-/// The meanders' slopes add up to at most `meander_slope`; kept below `slope` they bend the depth contours without
-/// ever closing one, so that a contour can be followed for ever.
+/// The slopes of the meanders add up to at most `meander_slope`. If that is less than `slope`, the meanders bend the
+/// depth contours but never close one, so a vehicle can follow a contour without end.
 ///
-/// With a `grid`, the depth is the file's own: the keys of the shelf are then refused, and `depth_min_m` and
-/// `depth_max_m` still bound it. Outside of the grid it is as deep as the nearest cell of its edge.
+/// With a `grid`, the depth comes from the file. The keys of the shelf are then rejected, but `depth_min_m` and
+/// `depth_max_m` still bound the depth. Outside the grid, the depth is that of the nearest cell at its edge.
 ///
 /// ```
 /// let config: backseat_world::SeabedConfig = toml::from_str(r#"
@@ -34,19 +35,19 @@ use crate::span::Span;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SeabedConfig {
-    /// Water depth at the origin before meanders and banks, metres, above 0 to 6000.
+    /// Water depth at the origin without meanders and banks, metres, 0.1 to 6000.
     pub depth_m: Span,
-    /// Slope of the shelf, metres down a metre, 0 to 0.5.
+    /// Slope of the shelf, metres of depth per metre, 0 to 0.5.
     pub slope: Span,
-    /// The way that is down, degrees clockwise from the frame's north.
+    /// The direction in which the depth grows, degrees clockwise from the frame's north.
     pub downslope_deg: Span,
-    /// How many meanders, 0 to 16.
+    /// Number of meanders, 0 to 16.
     pub meanders: u32,
-    /// The most slope that all meanders together may add, metres a metre, 0 to 0.5.
+    /// The greatest slope that all meanders together may add, metres per metre, 0 to 0.5.
     pub meander_slope: f64,
-    /// Length of a meander, metres, 50 to 100000.
+    /// Wavelength of a meander, metres, 50 to 100000.
     pub meander_wavelength_m: Span,
-    /// How many banks, 0 to 16.
+    /// Number of banks, 0 to 16.
     pub banks: u32,
     /// Height of a bank over the shelf, metres, 0 to 1000.
     pub bank_height_m: Span,
@@ -56,18 +57,18 @@ pub struct SeabedConfig {
     pub bank_east_m: Span,
     /// Banks lie this far north of the origin, metres.
     pub bank_north_m: Span,
-    /// The water is nowhere shallower, metres, above 0.
+    /// The least water depth anywhere, metres, above 0 and below `depth_max_m`.
     pub depth_min_m: f64,
-    /// The water is nowhere deeper, metres.
+    /// The greatest water depth anywhere, metres, at most 12000.
     pub depth_max_m: f64,
-    /// The file of a grid, ESRI ASCII or GeoTIFF; a relative path is from the folder of the configuration. Whoever
-    /// reads the configuration reads the file, see [`World::with_grid`](crate::World::with_grid).
+    /// The file of a grid, ESRI ASCII or GeoTIFF; a relative path starts at the folder of the configuration. The code
+    /// that reads the configuration must read the file, see [`World::with_grid`](crate::World::with_grid).
     pub grid: Option<PathBuf>,
-    /// How the grid's coordinates are meant: metres of the world's frame unless given.
+    /// What the grid's coordinates are; metres in the world's frame unless given.
     pub grid_frame: Option<GridFrame>,
-    /// How the grid's values are meant: depths unless given.
+    /// What the grid's values are; depths unless given.
     pub grid_positive: Option<GridPositive>,
-    /// The depth where the grid has no data, metres, 0 to 12000; without it such a grid is refused.
+    /// The depth of cells without data, metres, 0 to 12000; without this key, a grid with such cells is rejected.
     pub grid_nodata_depth_m: Option<f64>,
 }
 
@@ -95,7 +96,7 @@ impl Default for SeabedConfig {
     }
 }
 
-/// The seabed that a seed has drawn, or that a grid gives.
+/// The seabed, drawn by a seed or taken from a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seabed {
     shape: Shape,
@@ -113,7 +114,7 @@ impl Seabed {
     /// Draws a seabed without a grid.
     ///
     /// # Errors
-    /// [`WorldError`] where the configuration leaves its ranges, or names a grid.
+    /// [`WorldError`] if a value of the configuration is out of range, or if it names a grid.
     pub fn new(config: &SeabedConfig, seed: u64) -> Result<Self, WorldError> {
         validate(config)?;
         if let Some(path) = &config.grid {
@@ -124,19 +125,15 @@ impl Seabed {
         Ok(Self::of(Shape::Shelf(Shelf::new(config, seed)), config))
     }
 
-    /// Lays a grid into the frame of a world. The seed has no part in it.
+    /// Places a grid in the frame of a world. It does not depend on a seed.
     ///
     /// # Errors
-    /// [`WorldError`] where the configuration leaves its ranges or names no grid, where a cell has no data and
-    /// `grid_nodata_depth_m` is not given, where the grid's own coordinates are not as `grid_frame` says, or where all
-    /// of it lies over 50 km from the origin.
+    /// [`WorldError`] if a value of the configuration is out of range, if it names no grid, if a cell has no data and
+    /// `grid_nodata_depth_m` is not given, if the coordinates that the grid declares are not those of `grid_frame`, or
+    /// if the whole grid is more than 50 km from the origin.
     pub fn with_grid(config: &SeabedConfig, frame: &LocalFrame, grid: Grid) -> Result<Self, WorldError> {
         validate(config)?;
-        agree(
-            config.grid.is_some(),
-            "seabed.grid",
-            "the name of the grid that is given",
-        )?;
+        agree(config.grid.is_some(), "seabed.grid", "the name of the grid's file")?;
         Ok(Self::of(Shape::Chart(Chart::new(config, frame, grid)?), config))
     }
 
@@ -154,7 +151,8 @@ impl Seabed {
         self.depth_and_gradient(at).0
     }
 
-    /// Whether the depth there is drawn or measured; else, off a grid, it is that of the nearest cell of its edge.
+    /// Whether the depth at a place is drawn or comes from the grid. Outside a grid it does not: there it is the depth
+    /// of the nearest cell at the grid's edge.
     #[must_use]
     pub fn is_known_at(&self, at: EastNorth) -> bool {
         match &self.shape {
@@ -163,7 +161,7 @@ impl Seabed {
         }
     }
 
-    /// The way down and how steep: metres deeper a metre, east and north.
+    /// The gradient of the depth: metres of depth per metre, east and north.
     #[must_use]
     pub fn gradient(&self, at: EastNorth) -> EastNorth {
         self.depth_and_gradient(at).1
@@ -186,7 +184,7 @@ impl Seabed {
     }
 }
 
-/// Checks all but what the grid itself holds.
+/// Checks everything except the content of the grid.
 pub(crate) fn validate(config: &SeabedConfig) -> Result<(), WorldError> {
     validate_grid(config)?;
     config.depth_m.within(0.1, 6000.0, "seabed.depth_m", "0.1 to 6000 m")?;
@@ -245,7 +243,7 @@ pub(crate) fn validate(config: &SeabedConfig) -> Result<(), WorldError> {
 
 fn validate_grid(config: &SeabedConfig) -> Result<(), WorldError> {
     if config.grid.is_none() {
-        let alone = "`seabed.grid` beside it";
+        let alone = "only together with `seabed.grid`";
         agree(config.grid_frame.is_none(), "seabed.grid_frame", alone)?;
         agree(config.grid_positive.is_none(), "seabed.grid_positive", alone)?;
         return agree(
@@ -275,7 +273,7 @@ fn validate_grid(config: &SeabedConfig) -> Result<(), WorldError> {
         (config.bank_east_m == shelf.bank_east_m, "seabed.bank_east_m"),
         (config.bank_north_m == shelf.bank_north_m, "seabed.bank_north_m"),
     ] {
-        agree(is_default, key, "it or `seabed.grid`, not both")?;
+        agree(is_default, key, "this key or `seabed.grid`, not both")?;
     }
     Ok(())
 }
@@ -300,7 +298,7 @@ mod tests {
         }
 
         #[test]
-        fn the_gradient_is_the_depths_own(seed in any::<u64>(), east in -900.0..900.0f64, north in -900.0..900.0f64) {
+        fn the_gradient_is_the_derivative_of_the_depth(seed in any::<u64>(), east in -900.0..900.0f64, north in -900.0..900.0f64) {
             let config = SeabedConfig { depth_m: Span::fixed(200.0), banks: 3, ..SeabedConfig::default() };
             let seabed = Seabed::new(&config, seed).unwrap();
             let at = EastNorth::new(east, north);
@@ -336,16 +334,16 @@ mod tests {
         let message = |text: &str| validate(&parse(text)).unwrap_err().to_string();
         assert_eq!(
             message("grid = \"a.asc\"\nbanks = 2"),
-            "seabed.banks: expected it or `seabed.grid`, not both"
+            "seabed.banks: expected this key or `seabed.grid`, not both"
         );
         assert_eq!(
             message("grid_positive = \"up\""),
-            "seabed.grid_positive: expected `seabed.grid` beside it"
+            "seabed.grid_positive: expected only together with `seabed.grid`"
         );
         let error = Seabed::new(&parse("grid = \"a.asc\""), 1).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "seabed.grid is `a.asc`, expected the grid of that file: only its name was given"
+            "seabed.grid is `a.asc`, but the caller passed no grid: expected the content of that file"
         );
     }
 

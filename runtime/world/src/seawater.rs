@@ -1,18 +1,19 @@
 //! Equations of sea water: pressure, salinity, speed of sound.
 //!
 //! Salinity and sound speed are the polynomials of Fofonoff and Millard, *Algorithms for computation of fundamental
-//! properties of seawater*, Unesco technical papers in marine science 44 (1983). They were fitted on the temperature
-//! scale of 1968; temperatures here are of ITS-90 and are brought to it by Saunders' 1.00024 (WOCE Newsletter 10,
-//! 1990). They hold for -2 to 40 °C and practical salinities of 2 to 42: beyond, temperature is taken at the nearer end
-//! and salinity is what the polynomial gives, which is finite and no more than a guide.
+//! properties of seawater*, Unesco technical papers in marine science 44 (1983). They use the temperature scale of
+//! 1968. Temperatures in this crate are on ITS-90 and are converted with Saunders' factor 1.00024 (WOCE Newsletter 10,
+//! 1990). The polynomials are valid for -2 to 40 °C and practical salinities of 2 to 42. Outside that, temperature is
+//! clamped to the range, and salinity is what the polynomial gives: it is finite, but only approximate.
 
 /// From ITS-90 to IPTS-68.
 const SCALE_OF_1968: f64 = 1.000_24;
-/// Conductivity of water of salinity 35 at 15 °C (IPTS-68) and no pressure, microsiemens a centimetre: Culkin and
-/// Smith, IEEE Journal of Oceanic Engineering 5 (1980).
+/// Conductivity of water of salinity 35 at 15 °C (IPTS-68) and pressure 0, microsiemens a centimetre. Source: Culkin
+/// and Smith, IEEE Journal of Oceanic Engineering 5 (1980).
 const REFERENCE_US_PER_CM: f64 = 42_914.0;
 
-/// Pressure of the sea at a depth, decibars (without that of the air), for the standard ocean of 0 °C and salinity 35.
+/// Pressure of the sea at a depth, decibars, without atmospheric pressure, for the standard ocean of 0 °C and salinity
+/// 35. The depth is clamped to 0 to 12,000 m.
 ///
 /// Source: Saunders, *Practical conversion of pressure to depth*, Journal of Physical Oceanography 11 (1981).
 #[must_use]
@@ -32,12 +33,12 @@ pub fn salinity(conductivity_us_per_cm: f64, temperature_c: f64, pressure_dbar: 
     salinity_of_1968(ratio, t, pressure_dbar)
 }
 
-/// Conductivity at no pressure, microsiemens a centimetre, of water of a practical salinity: the inverse of
-/// [`salinity`], by bisection, for the drawing of a world.
+/// Conductivity at pressure 0, microsiemens a centimetre, of water with a practical salinity: the inverse of
+/// [`salinity`], by bisection. It is fast enough, because it runs only when a world is drawn.
 #[must_use]
 pub(crate) fn conductivity_us_per_cm(salinity: f64, temperature_c: f64) -> f64 {
     let t = temperature_of_1968(temperature_c);
-    // A ratio of 4 is beyond 100,000 uS/cm at any temperature.
+    // A ratio of 4 is more than 100,000 uS/cm.
     let (mut least, mut most) = (0.0, 4.0);
     for _ in 0..60 {
         let middle = 0.5 * (least + most);
@@ -54,7 +55,7 @@ fn temperature_of_1968(temperature_c: f64) -> f64 {
     temperature_c.clamp(-2.0, 40.0) * SCALE_OF_1968
 }
 
-/// Unesco 44, section 1: from the ratio to the reference conductivity.
+/// Unesco 44, section 1. `ratio` is the conductivity over the reference conductivity.
 fn salinity_of_1968(ratio: f64, t: f64, p: f64) -> f64 {
     let rt = 0.676_609_7 + t * (2.005_64e-2 + t * (1.104_259e-4 + t * (-6.969_8e-7 + t * 1.003_1e-9)));
     let pressure_part = p * (2.070e-5 + p * (-6.370e-10 + p * 3.989e-15))
@@ -67,7 +68,7 @@ fn salinity_of_1968(ratio: f64, t: f64, p: f64) -> f64 {
 }
 
 /// Speed of sound, metres a second, from practical salinity, temperature in degrees Celsius (ITS-90) and pressure in
-/// decibars: Chen and Millero (1977), which holds for brackish water too.
+/// decibars, by Chen and Millero (1977), who include brackish water.
 #[must_use]
 pub fn sound_speed_mps(salinity: f64, temperature_c: f64, pressure_dbar: f64) -> f64 {
     chen_millero(
@@ -104,7 +105,7 @@ mod tests {
 
     #[test]
     fn pressure_agrees_with_saunders() {
-        // His check value: 7500 dbar at 30 degrees of latitude is 7321.45 m.
+        // Saunders' check value: 7500 dbar at 30 degrees of latitude is 7321.45 m.
         near(pressure_dbar(7321.45, 30.0), 7500.0, 0.01);
         assert_eq!(pressure_dbar(-3.0, 30.0), 0.0);
     }
@@ -132,7 +133,7 @@ mod tests {
         ] {
             near(chen_millero(s, t, 0.1 * p_dbar), speed_mps, 0.05);
         }
-        // Mackenzie (1981), by an equation of his own, has 1550.744 m/s at 25 °C, 35 and 1000 m: the two differ by 0.6.
+        // Mackenzie's equation (1981) gives 1550.744 m/s at 25 °C, salinity 35 and 1000 m. The two differ by 0.6 m/s.
         near(sound_speed_mps(35.0, 25.0, pressure_dbar(1000.0, 45.0)), 1550.744, 0.7);
     }
 
@@ -144,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_leads_to_what_is_no_number() {
+    fn no_input_gives_nan() {
         for conductivity in [-1.0, 0.0, 1e3, 1e5, 2e6] {
             for temperature in [-400.0, 0.0, 20.0, 440.0] {
                 for depth in [-5.0, 0.0, 12_000.0, 1e9] {

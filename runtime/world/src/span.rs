@@ -6,7 +6,8 @@ use serde::{Deserialize, Deserializer};
 use crate::error::{WorldError, check};
 use crate::stream::Stream;
 
-/// A number of the configuration that the seed may draw: written as `3.5`, or as `[2.0, 5.0]` for a draw between.
+/// A number of the configuration: either fixed, such as `3.5`, or a range such as `[2.0, 5.0]`, from which the seed
+/// draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     least: f64,
@@ -14,7 +15,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// One number, whatever the seed.
+    /// A fixed number.
     #[must_use]
     pub const fn fixed(value: f64) -> Self {
         Self {
@@ -23,31 +24,31 @@ impl Span {
         }
     }
 
-    /// Anything from `least` to `most`.
+    /// A range from `least` to `most`.
     #[must_use]
     pub const fn between(least: f64, most: f64) -> Self {
         Self { least, most }
     }
 
-    /// The least that may be drawn.
+    /// The least value that may be drawn.
     #[must_use]
     pub const fn least(self) -> f64 {
         self.least
     }
 
-    /// The most that may be drawn.
+    /// The greatest value that may be drawn.
     #[must_use]
     pub const fn most(self) -> f64 {
         self.most
     }
 
-    /// Draws, uniformly. Takes one number from the stream even where there is no choice, so that later draws of the
-    /// stream do not depend on it.
+    /// Draws a value, uniformly. It takes one number from the stream even if the value is fixed, so later draws do not
+    /// depend on that.
     pub fn draw(self, stream: &mut Stream) -> f64 {
         stream.uniform_in(self.least, self.most)
     }
 
-    /// Refuses a span that leaves what its key allows.
+    /// Rejects a span that exceeds the range of its key.
     pub(crate) fn within(
         self,
         least: f64,
@@ -72,7 +73,7 @@ impl<'de> Visitor<'de> for SpanVisitor {
     type Value = Span;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a finite number or two, [least, most]")
+        f.write_str("a finite number, or two of them as [least, most]")
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<Span, E> {
@@ -119,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_or_two_and_nothing_else() {
+    fn a_span_is_one_number_or_two() {
         let parse = |text: &str| toml::from_str::<Holder>(text).map(|holder| holder.key);
         assert_eq!(parse("key = 3").unwrap(), Span::fixed(3.0));
         assert_eq!(parse("key = 3.5").unwrap(), Span::fixed(3.5));

@@ -3,19 +3,20 @@ use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng as _, SeedableRng as _};
 use sha2::{Digest as _, Sha256};
 
-/// A stream of random numbers of one named source of chance.
+/// A stream of random numbers for one named purpose.
 ///
-/// ChaCha8, keyed by the SHA-256 of the seed (eight bytes, little-endian) followed by the name's bytes: the same
-/// (seed, name) gives the same numbers on every platform, and another name gives an unrelated stream.
+/// The generator is ChaCha8. Its key is the SHA-256 of the seed (eight bytes, little-endian) followed by the bytes of
+/// the name. The same seed and name give the same numbers on every platform, and another name gives an unrelated
+/// stream.
 #[derive(Clone, Debug)]
 pub struct Stream {
     generator: ChaCha8Rng,
-    /// The polar method makes normal numbers in pairs.
+    /// The second number of a pair: the polar method makes normal numbers in pairs.
     spare: Option<f64>,
 }
 
 impl Stream {
-    /// The stream of a source of chance.
+    /// The stream for a seed and a name.
     #[must_use]
     pub fn new(seed: u64, name: &str) -> Self {
         let key = Sha256::new()
@@ -43,7 +44,8 @@ impl Stream {
         least + (most - least) * self.uniform()
     }
 
-    /// Normal, mean 0 and standard deviation 1: Marsaglia's polar method, which needs a logarithm and a root a pair.
+    /// Normal, with mean 0 and standard deviation 1, by Marsaglia's polar method, which needs one logarithm and one
+    /// square root per pair.
     pub fn gaussian(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
@@ -75,7 +77,7 @@ mod tests {
 
     #[test]
     fn the_numbers_never_change() {
-        // By an independent ChaCha8. Recorded runs depend on it.
+        // The value comes from an independent ChaCha8. Recorded runs depend on it.
         let mut stream = Stream::new(1, "golden");
         assert_eq!(stream.next_u64(), 3_041_156_641_065_481_558);
     }

@@ -1,4 +1,4 @@
-//! Things on the seabed, for what looks at it.
+//! Objects on the seabed, for simulated sonars.
 
 use backseat_units::EastNorth;
 use backseat_units::math::wrap_360;
@@ -8,14 +8,14 @@ use crate::error::{WorldError, check};
 use crate::span::Span;
 use crate::stream::Stream;
 
-/// The most targets that a world has.
+/// The most targets that a world can have.
 const TARGETS_MAX: u64 = 20_000;
 
-/// What a target is, for a sonar that draws it.
+/// The kind of a target, for a simulated sonar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TargetKind {
-    /// A point: it scatters and throws no shadow.
+    /// A point: it scatters sound and casts no shadow.
     Point,
     /// A rock: an ellipsoid half sunk into the bed.
     #[default]
@@ -24,12 +24,12 @@ pub enum TargetKind {
     Cylinder,
     /// A box along its heading: a container, a block.
     Box,
-    /// A wreck: a hull along its heading, rough.
+    /// A wreck: a rough hull along its heading.
     Wreck,
 }
 
-/// One `[[targets]]`: one thing on the seabed, or `count` of them that the seed strews over the box of `east_m` and
-/// `north_m`, each drawn anew.
+/// One `[[targets]]`: one object on the seabed, or `count` objects that the seed scatters over the box of `east_m` and
+/// `north_m`, each with its own draws.
 ///
 /// ```
 /// # #[derive(serde::Deserialize)] struct File { targets: Vec<backseat_world::TargetConfig> }
@@ -58,15 +58,15 @@ pub enum TargetKind {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TargetConfig {
-    /// How many, 0 to 20000 in all; 1 unless given.
+    /// Number of such targets; 1 unless given. All entries together may have at most 20000.
     #[serde(default = "single")]
     pub count: u32,
-    /// What it is; a rock unless given.
+    /// Its kind; a rock unless given.
     #[serde(default)]
     pub kind: TargetKind,
-    /// Where its middle lies, metres east of the origin.
+    /// Position of its middle, metres east of the origin.
     pub east_m: Span,
-    /// Where its middle lies, metres north of the origin.
+    /// Position of its middle, metres north of the origin.
     pub north_m: Span,
     /// Its length, along its heading, metres, 0.01 to 1000; 1 unless given.
     #[serde(default = "one")]
@@ -77,7 +77,7 @@ pub struct TargetConfig {
     /// Its height over the bed, metres, 0 to 100; 0.5 unless given.
     #[serde(default = "half")]
     pub height_m: Span,
-    /// Where its length points to, degrees clockwise from the frame's north.
+    /// Its heading, degrees clockwise from the frame's north; 0 unless given.
     #[serde(default = "zero")]
     pub heading_deg: Span,
     /// Its target strength, decibels relative to 1 m² at 1 m, -80 to 40; -20 unless given.
@@ -85,20 +85,20 @@ pub struct TargetConfig {
     pub strength_db: Span,
 }
 
-/// Something on the seabed.
+/// An object on the seabed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// What it is.
+    /// Its kind.
     pub kind: TargetKind,
     /// Its middle, in the world's frame.
     pub at: EastNorth,
-    /// Along its heading, metres.
+    /// Its length along its heading, metres.
     pub length_m: f64,
-    /// Across it, metres.
+    /// Its width across its heading, metres.
     pub width_m: f64,
-    /// Over the bed, metres.
+    /// Its height over the bed, metres.
     pub height_m: f64,
-    /// Where its length points to, degrees clockwise from the frame's north, in [0, 360).
+    /// Its heading, degrees clockwise from the frame's north, in [0, 360).
     pub heading_deg: f64,
     /// Target strength, decibels relative to 1 m² at 1 m.
     pub strength_db: f64,
@@ -124,12 +124,12 @@ const fn strength() -> Span {
     Span::fixed(-20.0)
 }
 
-/// The targets of a world, from the westernmost on.
+/// The targets of a world, sorted from west to east.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Targets(Vec<Target>);
 
 impl Targets {
-    /// Draws them, from a stream of their own.
+    /// Draws the targets from their own stream.
     pub(crate) fn new(configs: &[TargetConfig], seed: u64) -> Result<Self, WorldError> {
         let count: u64 = configs.iter().map(|config| u64::from(config.count)).sum();
         check(
@@ -215,7 +215,7 @@ mod tests {
     ";
 
     #[test]
-    fn they_lie_in_their_box_as_the_seed_strews_them() {
+    fn the_seed_scatters_targets_within_their_box() {
         let strewn = targets(TEXT, 3).unwrap();
         assert_eq!(strewn, targets(TEXT, 3).unwrap());
         assert_ne!(strewn, targets(TEXT, 4).unwrap());
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn those_near_are_all_those_near() {
+    fn targets_near_a_place_are_complete() {
         let strewn = targets(TEXT, 9).unwrap();
         for (east, north, radius_m) in [
             (0.0, 0.0, 30.0),

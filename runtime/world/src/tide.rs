@@ -6,8 +6,8 @@ use crate::error::WorldError;
 use crate::span::Span;
 use crate::stream::Stream;
 
-/// The `[tide]` section: how the water rises and falls over the depth of the seabed, the same everywhere. The streams
-/// that go with it are [`CurrentConfig::tides`](crate::CurrentConfig::tides).
+/// The `[tide]` section: how the water level rises and falls, the same everywhere. The tidal streams are configured
+/// separately, in [`CurrentConfig::tides`](crate::CurrentConfig::tides).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TideLevelConfig {
@@ -15,7 +15,7 @@ pub struct TideLevelConfig {
     pub amplitude_m: Span,
     /// Period, hours, 0.1 to 10000; M2's 12.4206 unless given.
     pub period_h: Span,
-    /// How long after the start it is first high water, degrees of its period.
+    /// Time from the start to the first high water, degrees of its period.
     pub phase_deg: Span,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct TideLevel {
 }
 
 impl TideLevel {
-    /// Draws it, from a stream of its own.
+    /// Draws it from its own stream.
     pub(crate) fn new(config: &TideLevelConfig, seed: u64) -> Result<Self, WorldError> {
         config.amplitude_m.within(0.0, 10.0, "tide.amplitude_m", "0 to 10 m")?;
         config
@@ -55,7 +55,7 @@ impl TideLevel {
         })
     }
 
-    /// Metres over the mean.
+    /// Metres above the mean level.
     pub(crate) fn at_m(&self, time: Timestamp) -> f64 {
         if self.amplitude_m == 0.0 {
             return 0.0;
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn high_water_comes_when_the_phase_says() {
+    fn high_water_comes_at_its_phase() {
         let config = toml::from_str("amplitude_m = 1.5\nperiod_h = 12\nphase_deg = 90").unwrap();
         let tide = TideLevel::new(&config, 1).unwrap();
         let at = |hours: u64| tide.at_m(Timestamp::from_secs(hours * 3600));

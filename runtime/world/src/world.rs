@@ -10,7 +10,7 @@ use crate::seawater;
 use crate::targets::{Target, TargetConfig, Targets};
 use crate::tide::{TideLevel, TideLevelConfig};
 
-/// The `[origin]` section: where the world's frame has its zero.
+/// The `[origin]` section: the origin of the world's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OriginConfig {
@@ -20,17 +20,17 @@ pub struct OriginConfig {
     pub longitude_deg: f64,
 }
 
-/// All that a world is made from: the sections `[origin]`, `[seabed]`, `[tide]`, `[current]`, `[field]` and
+/// Everything that a world is made from: the sections `[origin]`, `[seabed]`, `[tide]`, `[current]`, `[field]` and
 /// `[[targets]]` of `world.toml`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldConfig {
-    /// Where the frame has its zero.
+    /// The origin of the frame.
     pub origin: OriginConfig,
     /// The seabed.
     #[serde(default)]
     pub seabed: SeabedConfig,
-    /// How the water rises and falls.
+    /// How the water level rises and falls.
     #[serde(default)]
     pub tide: TideLevelConfig,
     /// The current.
@@ -39,16 +39,16 @@ pub struct WorldConfig {
     /// Temperature, conductivity and tracer.
     #[serde(default)]
     pub field: FieldConfig,
-    /// What lies on the seabed.
+    /// The objects on the seabed.
     #[serde(default)]
     pub targets: Vec<TargetConfig>,
 }
 
 impl WorldConfig {
-    /// The frame about the origin.
+    /// The frame around the origin.
     ///
     /// # Errors
-    /// [`WorldError`] where the origin is not on the globe or within 5 degrees of a pole.
+    /// [`WorldError`] if the origin is not a position on the globe, or is within 5 degrees of a pole.
     pub fn frame(&self) -> Result<LocalFrame, WorldError> {
         let OriginConfig {
             latitude_deg,
@@ -65,8 +65,8 @@ impl WorldConfig {
         Ok(LocalFrame::new(origin))
     }
 
-    /// Whether a world can be drawn, as far as that can be told without the grid: the ranges of all keys, whatever the
-    /// seed.
+    /// Checks whether a world can be drawn, as far as that is possible without the grid: it checks the ranges of all
+    /// keys. The result does not depend on the seed.
     ///
     /// # Errors
     /// [`WorldError`] as [`World::with_grid`].
@@ -94,20 +94,21 @@ pub struct World {
 }
 
 impl World {
-    /// Draws a world: the same configuration and seed give the same one on every platform.
+    /// Draws a world. The same configuration and seed give the same world on every platform.
     ///
     /// # Errors
-    /// [`WorldError`] where the configuration leaves its ranges, or names a grid: that takes [`World::with_grid`].
+    /// [`WorldError`] if a value of the configuration is out of range, or if it names a grid, which needs
+    /// [`World::with_grid`].
     pub fn new(config: &WorldConfig, seed: u64) -> Result<Self, WorldError> {
         Self::with_grid(config, seed, None)
     }
 
-    /// Draws a world over the grid that the configuration's `seabed.grid` names. The crate opens no file: the caller
-    /// reads it and makes the grid by [`Grid::from_bytes`].
+    /// Draws a world over the grid that `seabed.grid` names in the configuration. The crate opens no file: the caller
+    /// reads it and makes the grid with [`Grid::from_bytes`].
     ///
     /// # Errors
-    /// [`WorldError`] where the configuration leaves its ranges, names a grid and none is given or the other way
-    /// round, or where the grid does not fit it: see [`Seabed::with_grid`].
+    /// [`WorldError`] if a value of the configuration is out of range, if it names a grid and none is passed or the
+    /// reverse, or if the grid does not match the configuration: see [`Seabed::with_grid`].
     pub fn with_grid(config: &WorldConfig, seed: u64, grid: Option<Grid>) -> Result<Self, WorldError> {
         let frame = config.frame()?;
         Ok(Self {
@@ -123,7 +124,7 @@ impl World {
         })
     }
 
-    /// The frame that all of this world is given in.
+    /// The frame of all coordinates of this world.
     #[must_use]
     pub const fn frame(&self) -> &LocalFrame {
         &self.frame
@@ -135,13 +136,13 @@ impl World {
         &self.seabed
     }
 
-    /// Water depth at the mean level, metres, as a chart has it.
+    /// Water depth at the mean level, metres, as on a chart.
     #[must_use]
     pub fn water_depth_m(&self, at: EastNorth) -> f64 {
         self.seabed.water_depth_m(at)
     }
 
-    /// The way down and how steep: metres deeper a metre, east and north.
+    /// The gradient of the depth: metres of depth per metre, east and north.
     #[must_use]
     pub fn gradient(&self, at: EastNorth) -> EastNorth {
         self.seabed.gradient(at)
@@ -158,13 +159,13 @@ impl World {
         (east * left, north * left)
     }
 
-    /// How far the water stands over its mean level, metres: high water is positive.
+    /// Height of the water over its mean level, metres: high water is positive.
     #[must_use]
     pub fn tide_m(&self, time: Timestamp) -> f64 {
         self.tide.at_m(time)
     }
 
-    /// Water depth at a time, metres: that of the chart and the tide, never below 0.
+    /// Water depth at a time, metres: the depth on the chart plus the tide, never below 0.
     #[must_use]
     pub fn water_depth_at_m(&self, at: EastNorth, time: Timestamp) -> f64 {
         (self.water_depth_m(at) + self.tide_m(time)).max(0.0)
@@ -182,7 +183,7 @@ impl World {
         self.field.conductivity_us_per_cm(at, depth_m, time)
     }
 
-    /// Pressure of the sea at a depth, decibars, without that of the air: see [`seawater::pressure_dbar`].
+    /// Pressure of the sea at a depth, decibars, without atmospheric pressure: see [`seawater::pressure_dbar`].
     #[must_use]
     pub fn pressure_dbar(&self, depth_m: f64) -> f64 {
         seawater::pressure_dbar(depth_m, self.frame.origin().latitude.as_deg())
@@ -206,31 +207,31 @@ impl World {
         seawater::sound_speed_mps(salinity, temperature_c, pressure_dbar)
     }
 
-    /// How much of their tracer plumes and filaments carry, in the unit that the configuration takes it in.
+    /// Concentration of the tracer that plumes and filaments carry, in the unit of the configuration.
     #[must_use]
     pub fn concentration(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
         self.field.concentration(at, depth_m, time)
     }
 
-    /// Where the plumes add most: see [`Field::maximum`]. None without a plume.
+    /// The place where the plumes add most, see [`Field::maximum`]. `None` if no plume adds anything.
     #[must_use]
     pub fn field_maximum(&self) -> Option<EastNorth> {
         self.field.maximum()
     }
 
-    /// Where the filaments spring from, in the order of the configuration.
+    /// The sources of the filaments, in the order of the configuration.
     pub fn filament_sources(&self) -> impl Iterator<Item = EastNorth> {
         self.field.sources()
     }
 
-    /// What lies on the seabed, from the westernmost on: what a mock sidescan or sub-bottom profiler draws. Nothing
-    /// else meets them: neither the depth nor the vehicle.
+    /// The objects on the seabed, sorted from west to east, for a simulated sidescan sonar or sub-bottom profiler. They
+    /// have no other effect: they change neither the water depth nor the vehicle's motion.
     #[must_use]
     pub fn targets(&self) -> &[Target] {
         self.targets.all()
     }
 
-    /// The targets whose middle lies within a distance of a place, metres, from the westernmost on.
+    /// The targets whose middle lies within `radius_m` metres of a place, sorted from west to east.
     pub fn targets_near(&self, at: EastNorth, radius_m: f64) -> impl Iterator<Item = &Target> {
         self.targets.near(at, radius_m)
     }
@@ -258,7 +259,7 @@ mod tests {
     ";
 
     #[test]
-    fn a_world_is_its_configuration_and_its_seed() {
+    fn configuration_and_seed_determine_a_world() {
         let config: WorldConfig = toml::from_str(TEXT).unwrap();
         let one = World::new(&config, 5).unwrap();
         assert_eq!(one, World::new(&config, 5).unwrap());
@@ -267,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sea_goes_by_its_own_equations() {
+    fn the_sea_follows_its_equations() {
         let text = "
             [origin]
             latitude_deg = 42.3
@@ -307,7 +308,7 @@ mod tests {
             (50.0, 52.0)
         );
         assert_eq!((world.targets().len(), world.targets_near(here, 10.0).count()), (1, 0));
-        // Half of the current is left at 1/128 of the boundary layer, nothing at the bed.
+        // At 1/128 of the boundary layer half of the current is left; at the bed nothing is.
         let (east, _) = world.current_at(here, 50.0 - 4.0 / 128.0, now);
         assert!((east - 0.2).abs() < 1e-9);
         assert_eq!(world.current_at(here, 50.0, now), (0.0, 0.0));

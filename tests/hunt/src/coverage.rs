@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fault::Fault;
 use crate::flight::Flight;
+use crate::margins::Distributions;
 
 /// The states, requests and faults that a hunt has met, to show that it was not passed by doing nothing.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -29,6 +30,9 @@ pub struct Coverage {
     pub failures: BTreeMap<String, u64>,
     /// Missions with a failure.
     pub failed: u64,
+    /// How near the missions came to what is forbidden.
+    #[serde(default)]
+    pub margins: Distributions,
     /// The ends of missions.
     pub outcomes: BTreeMap<String, u64>,
 }
@@ -70,6 +74,7 @@ impl Coverage {
         self.sums.connections += seen.connections;
         self.sums.control_s += seen.control_s;
         self.sums.judged += seen.truth_judged;
+        self.margins.add(&seen.margins, flight.resolved.seed);
         self.failed += u64::from(!flight.failures.is_empty());
         for failure in &flight.failures {
             *self.failures.entry(failure.rule.clone()).or_default() += 1;
@@ -101,6 +106,7 @@ impl Coverage {
         self.sums.connections += other.sums.connections;
         self.sums.control_s += other.sums.control_s;
         self.sums.judged += other.sums.judged;
+        self.margins.merge(&other.margins);
         for (rule, count) in &other.failures {
             *self.failures.entry(rule.clone()).or_default() += count;
         }
@@ -204,6 +210,8 @@ impl Display for Coverage {
             }
             writeln!(f)?;
         }
+        writeln!(f, "how near the missions came to what is forbidden:")?;
+        writeln!(f, "{}", self.margins)?;
         if self.failures.is_empty() {
             write!(f, "no violation, and every mission converged")
         } else {

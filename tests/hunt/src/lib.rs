@@ -19,6 +19,7 @@ mod excuse;
 mod fault;
 mod flight;
 mod hunt;
+mod margins;
 mod phase;
 mod plan;
 mod scenario;

@@ -1,7 +1,8 @@
 //! Packets through the vehicle's acoustic modem (SPI 9; safety requirement 016).
 //!
-//! A packet waits for BFCPS, which names it by our identifier, across losses of the link too: the modem sends it all the
-//! same. Where the modem fails no report comes (9.2), so a packet that has none a minute after it left has timed out.
+//! A packet's request stays open until BFCPS reports the packet under our identifier, also over a lost link: the modem
+//! sends the packet all the same. If the modem fails, no report comes (9.2). So a packet without a report times out one
+//! minute after it was sent.
 
 use std::time::Duration;
 
@@ -23,17 +24,17 @@ use crate::session::dispatch::Dispatch;
 use crate::timer::Timer;
 use crate::vehicle::clock::elapsed_nanos;
 
-/// A packet's report comes within this or not at all. An acknowledged packet travels some kilometres of water twice, and
-/// waits in the modem before that.
+/// How long after a packet is sent its report can come. A packet with acknowledgement waits in the modem, and then
+/// crosses some kilometres of water twice.
 const REPORT_WITHIN: Duration = Duration::from_secs(60);
-/// A window that ends later than this is a mistaken time of day and no window.
+/// A longer window is ignored: its time of day must be wrong.
 const WINDOW_MAX: Duration = Duration::from_secs(3600);
 
-/// What is known of the modem.
+/// What core knows of the modem.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Acoustic {
-    /// When the window was said by the vehicle's clock, and for how long.
+    /// When the vehicle announced the window, by its own clock, and how long the window is.
     said: Option<(TimeOfDay, Duration)>,
     /// The packets without a report.
     packets: Vec<Unreported>,
@@ -44,22 +45,22 @@ pub(crate) struct Acoustic {
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 struct Unreported {
     request: u64,
-    /// Our name for it in BFCPS.
+    /// The identifier that BFCPS names.
     identifier: u32,
     overdue: Timestamp,
 }
 
-/// What a packet needs to be subscribed, and what refuses it where it is not.
+/// The subscriptions that a packet needs, each with the refusal if it is missing.
 const SUBSCRIBED: [(&str, Reason); 2] = [
     ("CMA", Reason::WindowsUnsubscribed),
     ("CPS", Reason::ReportsUnsubscribed),
 ];
 
 impl Acoustic {
-    /// What a request sends, where it can be sent.
+    /// Checks a request and returns what to send.
     pub(crate) fn check(&mut self, cx: &mut Context, request: u64, asked: &PacketRequest) -> Result<Dispatch, Refusal> {
         let packet = self.packet(cx, asked)?;
-        // It is used up, whatever comes of the packet.
+        // The identifier is used up, whatever happens to the packet.
         cx.identifiers.take();
         cx.reserve();
         Ok(Dispatch::new(
@@ -69,7 +70,7 @@ impl Acoustic {
         ))
     }
 
-    /// The request's packet has left, under this name.
+    /// The request's packet was sent under this identifier.
     pub(crate) fn sent(&mut self, cx: &mut Context, request: u64, identifier: u32) {
         self.sent.add(cx.now);
         self.packets.push(Unreported {
@@ -104,21 +105,21 @@ impl Acoustic {
             .frames
             .iter()
             .fold(0usize, |all, frame| all.saturating_add(frame.len()));
-        // Two digits a byte; what else is in the line is seen when it is encoded.
+        // Each byte takes two digits of the line. The encoder checks the length of the whole line.
         if bytes > MAX_LINE / 2 {
             return Err(Figure::FrameBytes.over(bytes as f64, (MAX_LINE / 2) as f64));
         }
         let frames = FrameData::new(asked.frames.clone()).map_err(|error| Refusal::Unwritable(error.to_string()))?;
         let packet = Packet {
             created: cx.stamper.stamp(cx.now, "CPD"),
-            // From the numbers of the inserts: unique for the whole mission, whatever restarts.
+            // Inserts and packets share these numbers, so it is unique in the whole mission, over restarts too.
             request: cx.identifiers.next()?,
             destination: asked.destination,
             mode: asked.mode,
             ack: asked.acknowledge,
             frames,
         };
-        // An identifier is for what can be said.
+        // Only a packet that can be encoded takes an identifier.
         match ToVehicle::Packet(packet.clone()).encode(&mut Vec::new()) {
             Ok(()) => Ok(packet),
             Err(error) => Err(Refusal::Unwritable(error.to_string())),
@@ -134,12 +135,12 @@ impl Acoustic {
                 self.set_timer(cx);
                 cx.transition(request, RequestState::Failed(Failure::Vehicle(text.to_owned())));
             }
-            // The report says more than the acknowledgement would have, and may come yet.
+            // The report may still come, and says more than the acknowledgement.
             Answer::Missing => {}
         }
     }
 
-    /// BFCMA. The newest one holds: it may shorten an earlier one.
+    /// Handles BFCMA. The newest window replaces an earlier one, and may be shorter.
     pub(crate) fn window(&mut self, cx: &mut Context, message: &MediumAccess) {
         cx.heard(message.created);
         cx.monitor.permits.window_until = None;
@@ -155,13 +156,13 @@ impl Acoustic {
                 cx.plugins.tell_wanting(Topic::Acoustic, &Event::Window(window));
             }
             Err(reason) => cx.note(Note::Text {
-                text: format!("an acoustic window until {} is none: {reason}", message.until),
+                text: format!("ignored an acoustic window until {}: {reason}", message.until),
             }),
         }
         self.set_timer(cx);
     }
 
-    /// When a window ends on our clock, and until when a packet may leave.
+    /// When a window ends on our clock, and until when a packet may leave; or why no packet may leave in it.
     fn ends_of(&self, cx: &Context, message: &MediumAccess) -> Result<(Timestamp, Timestamp), &'static str> {
         let length = length_of(message);
         if length.is_zero() {
@@ -170,24 +171,26 @@ impl Acoustic {
         if length > WINDOW_MAX {
             return Err("it ends more than an hour after it begins");
         }
-        // It may have waited for us, and the vehicle's clock may have been set meanwhile.
+        // The message may have waited before it was read. If the vehicle's clock was set meanwhile, its age by that
+        // clock is too small.
         let age = self.age(cx, message.created).max(cx.link.waited());
         let until = cx.now + length - age;
         let open_until = until - self.before_its_end(cx);
         if open_until > cx.now {
             Ok((until, open_until))
         } else {
-            Err("nothing that leaves now would arrive in it")
+            Err("a packet sent now would arrive after its end")
         }
     }
 
-    /// How long before a window's end the last packet may leave: once for the delay that the clocks' offset hides, once
-    /// for the packet's own way.
+    /// How long before a window's end the last packet may leave: one link delay that the clocks' offset can hide, and
+    /// one for the packet's own way.
     fn before_its_end(&self, cx: &Context) -> Duration {
         2 * cx.monitor.limits().link_delay_max()
     }
 
-    /// What is known of the vehicle's clock by now may bring the window's end nearer, and never farther.
+    /// Moves the window's end nearer if the vehicle's clock is better known by now. It never moves the end farther
+    /// away.
     fn narrow_window(&mut self, cx: &mut Context) {
         let Some((created, length)) = self.said else {
             return;
@@ -196,7 +199,7 @@ impl Acoustic {
         cx.monitor.permits.window_until = cx.monitor.permits.window_until.map(|open_until| open_until.min(until));
     }
 
-    /// BFCPS: of our packets and of everybody's else.
+    /// Handles BFCPS, which also reports packets of other payloads.
     pub(crate) fn packet_sent(&mut self, cx: &mut Context, message: &PacketSent) {
         cx.heard(message.created);
         let packets = &mut self.packets;
@@ -207,7 +210,8 @@ impl Acoustic {
         cx.transition(request, RequestState::Ended(Ended::Frames(frames_of(message))));
     }
 
-    /// BFCPR: as many frames as it says, good or not; places that it left empty count as not good.
+    /// Handles BFCPR: passes on as many frames as it says, good or not. A place that it leaves empty counts as not
+    /// good.
     pub(crate) fn packet_received(&mut self, cx: &mut Context, message: PacketReceived) {
         cx.heard(message.created);
         let count = usize::try_from(message.frames).unwrap_or(usize::MAX);
@@ -237,7 +241,8 @@ impl Acoustic {
         }
     }
 
-    /// What is not known to be open is closed. The packets' reports may come on the next connection.
+    /// The link is lost. The window counts as closed until the vehicle announces another one. The reports of packets
+    /// may still come on the next connection.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
         cx.monitor.permits.window_until = None;
         self.set_timer(cx);
@@ -256,14 +261,14 @@ impl Acoustic {
         cx.timers.set_or_stop(Timer::Acoustic, next);
     }
 
-    /// How old something of the vehicle's time is.
+    /// The age of something that the vehicle wrote at this time of its clock; zero if the age is unknown.
     fn age(&self, cx: &Context, written: TimeOfDay) -> Duration {
         let age = cx.vehicle.navigation.clock().age(cx.now, cx.utc(), written);
         age.unwrap_or_default()
     }
 }
 
-/// What became of a packet, frame by frame.
+/// What happened to each frame of a packet.
 fn frames_of(message: &PacketSent) -> Vec<FrameOutcome> {
     let count = usize::try_from(message.frames).unwrap_or(usize::MAX);
     let outcome = |status| match status {
@@ -276,7 +281,7 @@ fn frames_of(message: &PacketSent) -> Vec<FrameOutcome> {
     message.statuses.into_iter().take(count).map(outcome).collect()
 }
 
-/// How long a window lasts; nothing where it ends before it begins.
+/// The length of a window; zero if it ends before it begins.
 fn length_of(message: &MediumAccess) -> Duration {
     let nanos = u64::try_from(elapsed_nanos(message.created, message.until)).unwrap_or(0);
     Duration::from_nanos(nanos)

@@ -1,12 +1,13 @@
-//! Trim and buoyancy adjustments, to their final status (SPI 6.22, 6.23, 7.23, 7.24).
+//! Trim and buoyancy adjustments, from the request to their final status (SPI 6.22, 6.23, 7.23, 7.24).
 //!
-//! The acknowledgement says that the adjustment has begun, the status messages (BFTRM, BFBOY) how it goes and how it ended.
-//! Those come at any time, also of adjustments that the vehicle makes by itself, and in no promised order with BFMBS and the
-//! acknowledgement. So nothing that comes before the acknowledgement ends a request: it may be the end of another one.
-//! What it costs is that one which was over before its acknowledgement is known as such only when the vehicle has said for
-//! a while that it is idle.
+//! The acknowledgement says that the adjustment has begun. Status messages (BFTRM, BFBOY) report its progress and its
+//! end. They come at any time, also for adjustments that the vehicle makes by itself, and in no promised order with
+//! BFMBS and the acknowledgement. So no status that comes before the acknowledgement ends a request: it may be the end
+//! of another adjustment. The price is a delay: if an adjustment is over before its acknowledgement comes, its request
+//! ends only when the vehicle reports idle 10 s or more after the acknowledgement.
 //!
-//! Nothing of ours cancels an adjustment but the operator's BPRCB: it outlives its plugin, control and the link.
+//! Only the operator's BPRCB cancels an adjustment. It goes on when its plugin fails, and when control or the link is
+//! lost.
 
 use std::time::Duration;
 
@@ -24,12 +25,12 @@ use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
 use crate::timer::Timer;
 
-/// The vehicle gives an adjustment up after typically 20 minutes (7.23, 7.24), and says so; this long after the
-/// acknowledgement nothing more is expected.
+/// The vehicle gives up an adjustment after typically 20 minutes (7.23, 7.24), and says so. A request without a final
+/// status times out this long after its acknowledgement.
 const OVER_WITHIN: Duration = Duration::from_secs(25 * 60);
-/// The final status comes within this of the behavior's end.
+/// The final status comes within this time after the end of the behavior.
 const SAID_WITHIN: Duration = Duration::from_secs(30);
-/// A vehicle that says that it is idle so long after the acknowledgement has ended what it had begun.
+/// If the vehicle reports idle this long after the acknowledgement, the adjustment is over.
 const IDLE_AFTER: Duration = Duration::from_secs(10);
 
 /// What is adjusted.
@@ -50,7 +51,7 @@ impl Adjusts {
         }
     }
 
-    /// Refused where its status is not subscribed.
+    /// The refusal if its status is not subscribed.
     const fn unsubscribed(self) -> Reason {
         match self {
             Self::Trim => Reason::TrimUnsubscribed,
@@ -58,7 +59,8 @@ impl Adjusts {
         }
     }
 
-    /// Whether a behavior of this type is one of these adjustments: the types are not listed (6.9).
+    /// Whether a behavior of this type is such an adjustment. SPI does not list the types (6.9), so this compares the
+    /// first letters.
     fn is_type(self, kind: &str) -> bool {
         let start = match self {
             Self::Trim => "trim",
@@ -69,25 +71,25 @@ impl Adjusts {
     }
 }
 
-/// A request that is not at its end.
+/// A request that has not ended.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Adjustment {
     request: u64,
-    /// It has been seen in progress before its acknowledgement.
+    /// An adjustment was in progress before the acknowledgement came.
     begun: bool,
     acknowledged: Option<Timestamp>,
-    /// When it is given up; `None` while its acknowledgement is awaited.
+    /// When the request times out; `None` until the acknowledgement.
     deadline: Option<Timestamp>,
 }
 
-/// What is known of the adjustments: one of each kind at a time.
+/// What core knows of the adjustments. There is at most one of each kind at a time.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Adjustments {
     trim: Option<Adjustment>,
     buoyancy: Option<Adjustment>,
-    /// In the whole mission.
+    /// How many this process has sent; the mission limits their number.
     sent: u32,
 }
 
@@ -105,7 +107,7 @@ impl Adjustments {
 }
 
 impl Adjustments {
-    /// What a request sends, where it can be sent.
+    /// Checks a request and returns what to send.
     pub(crate) fn check(&mut self, cx: &mut Context, request: u64, what: Adjusts) -> Result<Dispatch, Refusal> {
         self.may_ask(cx, what)?;
         let letters = what.letters();
@@ -117,7 +119,7 @@ impl Adjustments {
         Ok(Dispatch::new(letters, message, Purpose::Adjustment(request)))
     }
 
-    /// The request's command has left.
+    /// The request's command was sent.
     pub(crate) const fn sent(&mut self, request: u64, what: Adjusts) {
         self.sent += 1;
         *self.of(what) = Some(Adjustment {
@@ -142,7 +144,7 @@ impl Adjustments {
         Ok(())
     }
 
-    /// The vehicle's answer: done is begun.
+    /// The vehicle's answer. Success means that the adjustment has begun.
     pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
@@ -218,7 +220,7 @@ impl Adjustments {
                 let idle = || RequestState::Ended(Ended::Said(EndCause::Idle, text.to_owned()));
                 match cx.ledger.get(request).map(|entry| &entry.state) {
                     Some(RequestState::Started | RequestState::Unknown) => self.end(cx, request, idle()),
-                    // Said at once, it may have been on its way when the adjustment began.
+                    // An earlier report may have been on its way when the adjustment began.
                     Some(RequestState::Accepted) if acknowledged.is_some_and(|at| cx.now.since(at) >= IDLE_AFTER) => {
                         self.end(cx, request, idle());
                     }
@@ -253,14 +255,14 @@ impl Adjustments {
         }
     }
 
-    /// The vehicle is at it.
+    /// The vehicle reports that an adjustment is in progress.
     fn begun(&mut self, cx: &mut Context, what: Adjusts) {
         let Some(adjustment) = self.of(what) else {
             return;
         };
         let request = adjustment.request;
         match cx.ledger.get(request).map(|entry| &entry.state) {
-            // Ours, or one that the vehicle makes by itself: the acknowledgement tells.
+            // It is ours, or one that the vehicle makes by itself; the acknowledgement will show which.
             Some(RequestState::Sent | RequestState::Pending) => adjustment.begun = true,
             Some(RequestState::Unknown) => {
                 cx.transition(request, RequestState::Accepted);
@@ -279,7 +281,8 @@ impl Adjustments {
         }
     }
 
-    /// A final status: of the request where that has been acknowledged or may have been, else of another adjustment.
+    /// A final status. It is the request's if that was acknowledged or may have been, and otherwise another
+    /// adjustment's.
     fn over(&mut self, cx: &mut Context, what: Adjusts, state: RequestState) {
         let Some(adjustment) = self.of(what) else {
             return;
@@ -301,7 +304,7 @@ impl Adjustments {
         }
     }
 
-    /// A behavior that is neither the plan's nor an identified insert has begun or ended.
+    /// A behavior began or ended that has neither a number of the plan nor an identifier.
     pub(crate) fn behavior(&mut self, cx: &mut Context, began: bool, kind: &str) {
         let until = cx.now + SAID_WITHIN;
         for what in Adjusts::ALL {
@@ -334,10 +337,10 @@ impl Adjustments {
         self.set_timer(cx);
     }
 
-    /// The mission is over, and what it was doing.
+    /// The mission is over, and with it the acknowledged adjustments.
     pub(crate) fn mission_over(&mut self, cx: &mut Context) {
         let open: Vec<Adjustment> = self.open().collect();
-        // One that is not acknowledged yet ends by its answer, or by the lack of one.
+        // A request that is not acknowledged yet ends by its answer, or because no answer comes.
         for adjustment in open.into_iter().filter(|adjustment| adjustment.deadline.is_some()) {
             self.end(
                 cx,
@@ -357,8 +360,8 @@ impl Adjustments {
         self.set_timer(cx);
     }
 
-    /// The link is gone: one that was not acknowledged may have begun, which its status tells on the next connection. One
-    /// that was goes on.
+    /// The link is lost. An adjustment that was not acknowledged may have begun; its status on the next connection will
+    /// show it. An acknowledged one goes on.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
         let until = cx.now + OVER_WITHIN;
         for what in Adjusts::ALL {
@@ -379,7 +382,7 @@ impl Adjustments {
     }
 }
 
-/// What is wrong, in words (SPI 6.22, 6.23).
+/// The vehicle's error in words (SPI 6.22, 6.23).
 const fn name_of(error: AdjustmentError) -> &'static str {
     match error {
         AdjustmentError::None => "failed without an error",

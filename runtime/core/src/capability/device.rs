@@ -1,4 +1,5 @@
-//! Sonar angle, camera and light of a hovering vehicle (SPI 8.5, 8.10, 8.11): each one command, over with its answer.
+//! Sonar angle, camera and light of a hovering vehicle (SPI 8.5, 8.10, 8.11). Each request is one command, and ends
+//! with its answer.
 
 use backseat_spi::{Camera, Light, SonarAngle, ToVehicle};
 
@@ -7,7 +8,7 @@ use crate::plugin::{CameraRequest, LightRequest, Refusal, SonarAngleRequest};
 use crate::session::commands::Purpose;
 use crate::session::dispatch::Dispatch;
 
-/// What a request for the sonar's angle sends.
+/// Checks a request for the sonar's angle and returns what to send.
 pub(crate) fn sonar_angle(cx: &mut Context, request: u64, asked: &SonarAngleRequest) -> Result<Dispatch, Refusal> {
     cx.monitor.envelope.admit_sonar_angle(asked)?;
     let message = ToVehicle::SonarAngle(SonarAngle {
@@ -17,7 +18,7 @@ pub(crate) fn sonar_angle(cx: &mut Context, request: u64, asked: &SonarAngleRequ
     Ok(Dispatch::new("SAN", message, Purpose::Request(request)))
 }
 
-/// What a request for the camera sends.
+/// Checks a request for the camera and returns what to send.
 pub(crate) fn camera(cx: &mut Context, request: u64, asked: &CameraRequest) -> Result<Dispatch, Refusal> {
     cx.monitor.envelope.admit_camera(asked)?;
     let message = ToVehicle::Camera(Camera {
@@ -29,7 +30,7 @@ pub(crate) fn camera(cx: &mut Context, request: u64, asked: &CameraRequest) -> R
     Ok(Dispatch::new("PTZ", message, Purpose::Request(request)))
 }
 
-/// What a request for a light sends.
+/// Checks a request for a light and returns what to send.
 pub(crate) fn light(cx: &mut Context, request: u64, asked: &LightRequest) -> Result<Dispatch, Refusal> {
     cx.monitor.envelope.admit_light(asked)?;
     let message = ToVehicle::Light(Light {

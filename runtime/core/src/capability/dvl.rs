@@ -1,7 +1,7 @@
 //! The payload's part in triggering the DVL (SPI 5.6, 7.4; safety requirement 017).
 //!
-//! A request begins with BPDVR 1,0 and lasts until it is over for good; what its plugin asks for under the same tag
-//! meanwhile is a step of it. The phases are those of the handshake:
+//! A request begins with BPDVR 1,0 and lasts until the handshake is over. While it is open, whatever its plugin asks
+//! for under the same tag is a step of it. The phases are those of the handshake:
 //!
 //! ```text
 //! Requested  --BFDVT 1-->  Allowed  --the plugin triggers: 1,1-->  Triggering
@@ -11,9 +11,9 @@
 //! any        --the plugin ends it: 0,0; or a time is over-->  no request, and the DVL triggers itself
 //! ```
 //!
-//! The vehicle takes the DVL back 5 s after its last trigger. We do not see the trigger, so while it triggers a plugin
-//! repeats its request at least as often; a repetition changes no field and is not sent. Whatever ends a request is said
-//! by one BPDVR 0,0, which needs the link alone.
+//! The vehicle takes the DVL back 5 s after its last trigger. We do not see the triggers. So while a plugin triggers,
+//! it repeats its request at least every 5 s; a repetition changes no field and is not sent. Whatever ends a request,
+//! one BPDVR 0,0 says so, which needs only the link.
 
 use std::time::Duration;
 
@@ -32,20 +32,20 @@ use crate::timer::Timer;
 
 /// The vehicle takes the DVL back when it has not been triggered for this long (7.4).
 const TRIGGER_WITHIN: Duration = Duration::from_secs(5);
-/// A plugin that is to stop says within this that it has, or whether it wants to go on later.
+/// How long a plugin that must stop may take to answer that it has stopped, or that it wants to go on later.
 const CEASE_WITHIN: Duration = Duration::from_secs(1);
-/// The vehicle allows it when that is safe, which may take its time; a request does not wait for longer than this.
+/// The vehicle allows triggering when that is safe, which can take a while. A request waits no longer than this.
 const ALLOW_WITHIN: Duration = Duration::from_secs(300);
-/// What nobody has asked for is answered this often at most: a vehicle that takes the answer for a question would ask
-/// again.
+/// The least time between two answers to BFDVTs that no open request is about. A vehicle that takes the answer for a
+/// request would send BFDVT again.
 const ANSWER_EVERY: Duration = Duration::from_secs(1);
 
-/// Where the handshake stands.
+/// The state of the handshake.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct DvlTrigger {
     open: Option<Handshake>,
-    /// When a BFDVT that nobody had asked for was last answered.
+    /// When a BFDVT that no request was open for was last answered.
     answered: Option<Timestamp>,
 }
 
@@ -57,7 +57,7 @@ struct Handshake {
     plugin: PluginId,
     tag: u64,
     phase: Phase,
-    /// The phase ends no later.
+    /// When the phase ends at the latest.
     until: Timestamp,
 }
 
@@ -70,7 +70,7 @@ enum Phase {
     Allowed,
     /// BPDVR 1,1 was sent.
     Triggering,
-    /// BPDVR 0,1 was sent, to which BFDVT 0 is the answer.
+    /// BPDVR 0,1 was sent; BFDVT 0 will answer it.
     Ending,
     /// BFDVT 0 came.
     Ceasing,
@@ -85,16 +85,16 @@ impl DvlTrigger {
 }
 
 impl DvlTrigger {
-    /// Whether a plugin's request with this tag is open: what it asks for is a step of it.
+    /// Whether a plugin's request with this tag is open. If so, what the plugin asks for is a step of it.
     pub(crate) fn continues(&mut self, cx: &mut Context, plugin: PluginId, tag: u64) -> bool {
         if self.open.is_some_and(|open| open.until <= cx.now) {
-            // Its time was over before this was asked.
+            // Its time was over before this request came.
             self.timed_out(cx);
         }
         self.open.is_some_and(|open| open.plugin == plugin && open.tag == tag)
     }
 
-    /// What a request sends that begins a handshake, where it can be sent.
+    /// Checks a request that begins a handshake, and returns what to send.
     pub(crate) fn check(
         &self,
         cx: &mut Context,
@@ -107,7 +107,7 @@ impl DvlTrigger {
         Ok(Dispatch::new("DVR", message, Purpose::DvlTrigger(request)))
     }
 
-    /// The request's BPDVR has left.
+    /// The request's BPDVR was sent.
     pub(crate) fn sent(&mut self, cx: &mut Context, plugin: PluginId, request: u64, asked: &DvlTriggerRequest) {
         self.open = Some(Handshake {
             request,
@@ -129,7 +129,8 @@ impl DvlTrigger {
         }
     }
 
-    /// The plugin of the open request ends it. Neither rate nor control holds that back: BPDVR 0,0 may always be said.
+    /// The plugin ends its open request. Neither the rate nor a lack of control prevents that: BPDVR 0,0 may always be
+    /// sent.
     pub(crate) fn asked_end(&mut self, cx: &mut Context) {
         let reason = match self.open.map(|open| open.phase) {
             Some(Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending) | None => EndCause::PluginEnded,
@@ -138,7 +139,7 @@ impl DvlTrigger {
         self.end(cx, reason);
     }
 
-    /// What the plugin of the open request asks for next.
+    /// Takes the next step that the plugin of the open request asks for.
     pub(crate) fn step(&mut self, cx: &mut Context, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
         let Some(open) = self.open else { return Ok(()) };
         match (asked.external, asked.triggering) {
@@ -168,7 +169,7 @@ impl DvlTrigger {
         Ok(())
     }
 
-    /// Sends a step of the open request, which brings it into another phase.
+    /// Sends a step of the open request, and enters the phase that follows.
     fn say(&mut self, cx: &mut Context, open: Handshake, asked: &DvlTriggerRequest, phase: Phase, within: Duration) {
         let message = self.message(cx, asked.external, asked.triggering);
         let mut command = cx.courtesy("DVR", message.created());
@@ -200,7 +201,7 @@ impl DvlTrigger {
         };
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
-            // Of the first step; for the later ones the request has come further.
+            // This accepts the first step. At a later step the request is past that state, and nothing changes.
             Answer::Done => cx.transition(request, RequestState::Accepted),
             Answer::Refused(text) => self.close(
                 cx,
@@ -219,7 +220,7 @@ impl DvlTrigger {
                         RequestState::TimedOut
                     },
                 ),
-                // The vehicle's BFDVT has answered it.
+                // The vehicle's BFDVT has already answered it.
                 Phase::Allowed | Phase::Ceasing => {}
             },
         }
@@ -239,7 +240,8 @@ impl DvlTrigger {
         };
         let said = match (message.begin, open.phase) {
             (true, Phase::Requested) => {
-                // The vehicle has counted since it said so: what was held up on its way leaves less.
+                // The vehicle counts its 5 s from when it wrote the message. A message that was held up leaves less of
+                // them.
                 let age = cx.vehicle.navigation.clock().age(cx.now, cx.utc(), message.created);
                 let within = TRIGGER_WITHIN.saturating_sub(age.unwrap_or_default());
                 self.enter(cx, open, Phase::Allowed, within);
@@ -249,7 +251,7 @@ impl DvlTrigger {
                 self.enter(cx, open, Phase::Ceasing, CEASE_WITHIN);
                 false
             }
-            // Said again, it changes nothing; a plugin that is to stop asks anew first.
+            // A repetition changes nothing. A plugin that must stop asks again first.
             (true, Phase::Allowed | Phase::Triggering | Phase::Ending | Phase::Ceasing) | (false, Phase::Ceasing) => {
                 return;
             }
@@ -257,7 +259,7 @@ impl DvlTrigger {
         cx.plugins.tell(open.plugin, Event::DvlTrigger(said));
     }
 
-    /// Nobody has asked, or no longer: we neither trigger nor want to.
+    /// No request is open: answers that we neither trigger nor want to.
     fn answer_unasked(&mut self, cx: &mut Context, begin: bool) {
         let recent = |at: Timestamp| cx.now.since(at) < ANSWER_EVERY;
         if self.answered.is_some_and(recent) {
@@ -266,7 +268,7 @@ impl DvlTrigger {
         self.answered = Some(cx.now);
         let what = if begin { "allows" } else { "stops" };
         cx.note(Note::Text {
-            text: format!("the vehicle {what} DVL triggering that no open request is about"),
+            text: format!("the vehicle {what} DVL triggering, and no request for it is open"),
         });
         self.say_not_triggering(cx);
     }
@@ -294,7 +296,7 @@ impl DvlTrigger {
         );
     }
 
-    /// Ends the open request, if there is one: BPDVR 0,0 where the link is up.
+    /// Ends the open request, if there is one: BPDVR 0,0 if the link is up.
     pub(crate) fn end(&mut self, cx: &mut Context, end: impl Into<Ended>) {
         self.close(cx, RequestState::Ended(end.into()));
     }
@@ -306,7 +308,7 @@ impl DvlTrigger {
         cx.transition(open.request, state);
     }
 
-    /// Without us the vehicle takes the DVL back by itself, 5 s after the last trigger.
+    /// The link is lost. The vehicle takes the DVL back by itself, 5 s after the last trigger.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
         self.answered = None;
         let unanswered = |open: Handshake| {

@@ -1,8 +1,8 @@
-//! Inserts: tracklines, trackcircles and GPS hits that the vehicle flies by itself once it has accepted them (SPI 7.5 to
-//! 7.7), and their cancelling (7.8). Safety requirements 002, 009, 010 and 019.
+//! Inserts: tracklines, trackcircles and GPS hits (SPI 7.5 to 7.7), and their cancels (7.8). The vehicle flies an
+//! insert by itself once it has accepted it. Safety requirements 002, 009, 010 and 019.
 //!
-//! A GPS hit is an insert that runs after the current behavior and that nothing takes back: BPRCN covers tracklines and
-//! trackcircles alone.
+//! A GPS hit is an insert that runs after the current behavior. Nothing can take it back: BPRCN covers tracklines and
+//! trackcircles only.
 
 pub(crate) mod irrevocable;
 pub(crate) mod late;
@@ -30,7 +30,7 @@ use crate::session::commands::{Answer, Purpose, SETTLED_WITHIN};
 use crate::session::dispatch::Dispatch;
 use crate::timer::Timer;
 
-/// What the judgement of an insert found that is kept with it.
+/// Results of an insert's judgement that are kept with it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Admitted {
     /// How long it flies at most, seconds.
@@ -38,7 +38,7 @@ pub(crate) struct Admitted {
     schedule: Option<Schedule>,
 }
 
-/// The inserts that wait for an answer of the vehicle before they leave, and those that are being taken back.
+/// The inserts that wait for an answer of the vehicle before they leave, and those that the runtime is cancelling.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Inserts {
@@ -46,7 +46,7 @@ pub(crate) struct Inserts {
     recalls: Recalls,
 }
 
-/// The grant that an insert needs; one that interrupts needs that of its own beside it.
+/// The grant that an insert needs. One that interrupts needs `Grant::Interrupt` as well.
 pub(crate) const fn grant_of(insert: &Insert) -> Grant {
     if insert.surfaces() {
         Grant::Surface
@@ -56,7 +56,7 @@ pub(crate) const fn grant_of(insert: &Insert) -> Grant {
 }
 
 impl Inserts {
-    /// The path that a request means, where its figures are in range.
+    /// The insert that a request asks for, if its figures are in range; `None` for requests of other kinds.
     pub(crate) fn shape(&self, cx: &mut Context, asked: &Request) -> Option<Result<Insert, Refusal>> {
         let insert = match asked {
             Request::Trackline(line) => cx.monitor.envelope.admit_trackline(line),
@@ -85,7 +85,7 @@ impl Inserts {
         Some(insert)
     }
 
-    /// All that an insert needs at the moment that it leaves.
+    /// Checks everything that an insert needs at the moment that it leaves.
     pub(crate) fn check(
         &mut self,
         cx: &mut Context,
@@ -102,15 +102,16 @@ impl Inserts {
         })
     }
 
-    /// What an insert sends, under the next identifier; `None` where the identifiers' state on disk is missing.
+    /// What an insert sends, under the next identifier; `None` if the identifiers' state on disk is missing.
     pub(crate) fn dispatch(&self, cx: &mut Context, request: u64, insert: &Insert) -> Option<Dispatch> {
         let identifier = BehaviorId::new(cx.identifiers.take()?);
         let (letters, message) = message_of(cx, identifier, insert);
         Some(Dispatch::new(letters, message, Purpose::Insert(request)).naming(identifier))
     }
 
-    /// The two layouts of BPRTC in SPI 7.6 differ in what comes before the interrupt code. Where nobody has said which one
-    /// the vehicle reads, a circle leaves only if both read it alike: after what is flown, entered anywhere.
+    /// SPI 7.6 has two layouts of BPRTC, which differ in what comes before the interrupt code. If the mission does not
+    /// say which one the vehicle reads, a circle may leave only if it means the same in both: it is flown after the
+    /// current behavior, and the vehicle enters it anywhere.
     fn admit_layout(&self, cx: &Context, circle: &TrackcircleRequest) -> Result<(), Refusal> {
         let layout = cx.settings.trackcircle_entry_angle;
         match layout {
@@ -121,7 +122,8 @@ impl Inserts {
         }
     }
 
-    /// All that does not hang on the geometry: grants, the plan, doubt, caps of number, identifiers. The insert's route.
+    /// Checks everything that does not depend on the geometry: plan, doubt, tag, interrupts, caps on numbers,
+    /// identifiers. Returns the insert's route.
     fn admit_insert(
         &mut self,
         cx: &mut Context,
@@ -183,7 +185,7 @@ impl Inserts {
         Ok(cx.outlook().route_of_insert(insert.interrupt))
     }
 
-    /// How long an insert flies at most, where that and what is open stay under the cap.
+    /// Returns how long an insert flies at most, seconds, if that and the open inserts together stay under the caps.
     fn cap_duration(&self, cx: &Context, plugin: PluginId, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
         let duration_s = cx.monitor.envelope.duration_s(insert, &route.from);
         let open_s = cx.ledger.open_duration_s();
@@ -219,7 +221,7 @@ impl Inserts {
         )
     }
 
-    /// The request's command has left.
+    /// The request's command was sent.
     pub(crate) fn sent(&self, cx: &mut Context, request: u64, dispatch: &Dispatch, insert: Insert, admitted: Admitted) {
         let Some(identifier) = dispatch.identifier() else {
             return;
@@ -240,7 +242,7 @@ impl Inserts {
         }
     }
 
-    /// What the cancel of a plugin's insert sends, where that may be taken back.
+    /// Checks the cancel of a plugin's insert and returns what to send.
     pub(crate) fn check_cancel(
         &self,
         cx: &mut Context,
@@ -275,7 +277,7 @@ impl Inserts {
         if cx.ledger.is_gps_hit(Some(insert)) {
             return Err(Reason::TagIsGpsHit.into());
         }
-        // Without it the vehicle goes from what was before it to what comes after it.
+        // Without this insert, the vehicle goes from what comes before it to what comes after it.
         cx.outlook().judge_cancel(&cx.outlook().chain(), insert)?;
         Ok(insert)
     }
@@ -314,7 +316,7 @@ impl Inserts {
                 }
             }
             Answer::Refused(text) => {
-                // It has begun, or does not wait.
+                // The insert has begun, or does not wait.
                 if let Some(entry) = cx.ledger.get_mut(insert) {
                     entry.may_be_gone = true;
                 }
@@ -325,7 +327,7 @@ impl Inserts {
         }
     }
 
-    /// The vehicle flies another dive: what waited in the one before may be gone. The plan of this one tells.
+    /// The vehicle flies another dive. What waited in the dive before may be gone; the plan of this one will show it.
     pub(crate) fn another_dive(&mut self, cx: &mut Context) {
         let mut accepted = Vec::new();
         for (request, entry) in cx.ledger.iter_mut().filter(|(_, entry)| entry.is_open_insert()) {
@@ -339,7 +341,8 @@ impl Inserts {
         }
     }
 
-    /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
+    /// The vehicle did not answer an insert. It counts as one that the vehicle may fly, and the runtime cancels it,
+    /// unless it is a GPS hit.
     fn unanswered(&mut self, cx: &mut Context, request: u64) {
         if !cx.ledger.is_gps_hit(Some(request)) {
             self.recall(cx, request);
@@ -347,7 +350,7 @@ impl Inserts {
         cx.transition(request, RequestState::TimedOut);
     }
 
-    /// The plan has come whole: inserts in doubt are in it or are not.
+    /// The plan is complete: it has the inserts that are in doubt, or it has not.
     pub(crate) fn resolve_by_plan(&mut self, cx: &mut Context) {
         let open: Vec<(u64, BehaviorId, Timestamp)> = cx
             .ledger
@@ -360,13 +363,13 @@ impl Inserts {
             if cx.vehicle.plan.has(identifier) {
                 cx.transition(request, RequestState::Accepted);
             } else if asked_at < decided_at {
-                // The vehicle may not have decided on it yet.
+                // The vehicle may not have decided on it when it was asked for the plan.
                 cx.timers.set(Timer::Plan, decided_at.max(cx.now));
             } else if cx.vehicle.courses.current().is_some() && !cx.ledger.is_gps_hit(Some(request)) {
                 cx.transition(request, RequestState::Failed(Failure::NotInPlan));
             } else {
-                // It may be flown; and BFPLN has no code for a GPS hit (6.20), so that a plan without it proves nothing. It
-                // stays under the caps.
+                // It may be flown. And BFPLN has no code for a GPS hit (6.20), so a plan without one proves nothing.
+                // The insert stays under the caps.
                 cx.transition(request, RequestState::TimedOut);
             }
         }
@@ -374,7 +377,7 @@ impl Inserts {
         cx.ledger.heard_plan(asked_at, |identifier| plan.has(identifier));
     }
 
-    /// The mission no longer runs: what it held is over.
+    /// The mission is over, and so is what it held.
     pub(crate) fn mission_over(&mut self, cx: &mut Context) {
         let open: Vec<u64> = cx
             .ledger
@@ -389,7 +392,7 @@ impl Inserts {
     }
 }
 
-/// What an insert sends, under the next identifier.
+/// What an insert sends, under this identifier.
 fn message_of(cx: &mut Context, identifier: BehaviorId, insert: &Insert) -> (&'static str, ToVehicle) {
     let interrupt = if insert.interrupt {
         Interrupt::InterruptCurrent
@@ -435,7 +438,7 @@ fn message_of(cx: &mut Context, identifier: BehaviorId, insert: &Insert) -> (&'s
                 entry_angle_deg: match cx.settings.trackcircle_entry_angle {
                     Some(true) => entry_angle_deg.map_or(CircleEntry::Anywhere, CircleEntry::Angle),
                     Some(false) => CircleEntry::Absent,
-                    // The interrupt code of who takes it for that is the same as the one that follows.
+                    // A vehicle that takes this field for the interrupt code reads the same code as the next field has.
                     None => CircleEntry::Angle(0.0),
                 },
                 interrupt,
@@ -448,8 +451,8 @@ fn message_of(cx: &mut Context, identifier: BehaviorId, insert: &Insert) -> (&'s
                 created,
                 identifier,
                 position: at,
-                // Vehicles ignore both today and use their default (7.7). Empty means the default in every reading;
-                // a zero would be no time and no fix to a vehicle that heeds them one day.
+                // Vehicles ignore both today and use their default (7.7). An empty field means the default in every
+                // reading. To a vehicle that heeds them one day, a zero would mean no time and no fix.
                 surface_within_s: None,
                 hits: None,
                 mode: SurfaceMode::StraightLine,

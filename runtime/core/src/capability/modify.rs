@@ -1,4 +1,5 @@
-//! The lease: one plugin's BPRMB, refreshed while it stands (SPI 7.12, 7.13; safety requirements 003, 004, 008).
+//! The modify: one plugin's BPRMB, refreshed for as long as its lease lasts (SPI 7.12, 7.13; safety requirements 003,
+//! 004, 008).
 
 use std::time::Duration;
 
@@ -20,28 +21,28 @@ use crate::timer::Timer;
 
 /// The vehicle forgets a modify after 5 s (7.12).
 const REFRESH_EVERY: Duration = Duration::from_secs(1);
-/// Past this since the last one it is too late to refresh: the lease ends.
+/// If the last BPRMB is older than this, a refresh is too late: the lease ends.
 const REFRESH_AT_MOST: Duration = Duration::from_millis(2500);
 /// A changed modify is sent at once, at 5 Hz at most.
 const REFRESH_AT_LEAST: Duration = Duration::from_millis(200);
 
-/// After a refused or unanswered BPRMB the next lease may begin no sooner than this, doubled at each one more.
+/// After a refused or unanswered BPRMB the next lease may begin no sooner than this, doubled at each further one.
 const PAUSE_MIN: Duration = Duration::from_secs(1);
 const PAUSE_MAX: Duration = Duration::from_secs(60);
-/// So long must BPRMB be answered for the pause to be the shortest again.
+/// BPRMB must be answered for this long before the pause is the shortest again.
 const PAUSE_FORGIVEN_AFTER: Duration = Duration::from_secs(30);
-/// Answers further apart than this are not of one lease.
+/// Answers that are further apart than this do not belong to one lease.
 const ANSWERS_APART_MAX: Duration = Duration::from_millis(1500);
 
-/// How long no lease begins after the vehicle has refused a BPRMB, or not answered one: a plugin that insists would
-/// otherwise have the vehicle under a modify most of the time (safety requirement 023).
+/// The pause after a BPRMB that the vehicle refused or did not answer, in which no lease begins. Without it, a plugin
+/// that insists would have the vehicle under a modify most of the time (safety requirement 023).
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Pause {
     until: Timestamp,
     /// The pause after the next failure.
     next: Option<Duration>,
-    /// How long BPRMB has been answered since the last failure, and when it was last.
+    /// How long BPRMB has been answered since the last failure, and when it was last answered.
     answered: Duration,
     answered_at: Timestamp,
 }
@@ -65,7 +66,7 @@ impl Pause {
         }
     }
 
-    /// How much longer no lease begins.
+    /// How much longer no lease may begin.
     fn left(&self, now: Timestamp) -> Option<Duration> {
         (now < self.until).then(|| self.until.since(now))
     }
@@ -79,24 +80,24 @@ struct Lease {
     request: u64,
     tag: u64,
     setpoint: Setpoint,
-    /// When the last BPRMB left, of this lease or of the one that it took over.
+    /// When the last BPRMB was sent, for this lease or for the one that it replaced.
     sent: Option<Timestamp>,
     /// When the setpoint was last judged.
     judged: Timestamp,
 }
 
-/// The modify that stands, and when the next may.
+/// The current modify, and when the next one may begin.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Modify {
     lease: Option<Lease>,
     pause: Pause,
-    /// When the last BPRMB left, of any lease.
+    /// When the last BPRMB was sent, for any lease.
     sent: Option<Timestamp>,
 }
 
 impl Modify {
-    /// Whether a modify may begin: the vehicle has not just refused one, or not answered it.
+    /// Whether a modify may begin: not in the pause after a BPRMB that the vehicle refused or did not answer.
     pub(crate) fn may_begin(&self, cx: &Context) -> Result<(), Refusal> {
         let Some(left) = self.pause.left(cx.now).filter(|_| is_on(Check::LeasePause)) else {
             return Ok(());
@@ -107,7 +108,7 @@ impl Modify {
         })
     }
 
-    /// What a request sends with each refresh, where that may stand.
+    /// Checks a request and returns what each refresh sends.
     pub(crate) fn check(&self, cx: &Context, plugin: PluginId, asked: &ModifyRequest) -> Result<Setpoint, Refusal> {
         cx.outlook().admit_beside_gps_hit()?;
         if is_on(Check::PlanKnown) {
@@ -119,7 +120,7 @@ impl Modify {
         Ok(setpoint)
     }
 
-    /// A request takes the place of the lease that stands, if there is one. Whether what it asks for is another.
+    /// A request replaces the current lease, if there is one. Returns whether it asks for another setpoint.
     pub(crate) fn adopt(
         &mut self,
         cx: &mut Context,
@@ -151,10 +152,11 @@ impl Modify {
         changed
     }
 
-    /// Sends the first BPRMB of a modify that has been adopted, or the next, no sooner than the rate allows.
+    /// Sends the first BPRMB of an adopted modify, or the next one, no sooner than the rate allows.
     pub(crate) fn begin(&mut self, cx: &mut Context, changed: bool) {
         match self.lease.and_then(|lease| lease.sent) {
-            // A lease that has just ended counts: ending and asking anew is no way around the rate.
+            // A lease that has just ended counts too: a plugin cannot evade the rate by ending its modify and asking
+            // again.
             None => match self.sent.filter(|sent| cx.now.since(*sent) < refresh_at_least()) {
                 Some(sent) => cx.timers.set(Timer::Refresh, sent + refresh_at_least()),
                 None => self.refresh(cx),
@@ -165,7 +167,7 @@ impl Modify {
         }
     }
 
-    /// The whole judgement of a setpoint, with what is known at this moment.
+    /// Judges a setpoint in full, with what core knows now.
     fn judge(&self, cx: &Context, setpoint: &Setpoint) -> Result<(), Refusal> {
         let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
             return Err(Reason::NavigationIsStale.into());
@@ -181,8 +183,8 @@ impl Modify {
             .map(|_| ())
     }
 
-    /// Navigation is new: prevention before reaction. The lease ends now, not at its next refresh, where what it could
-    /// reach from here would touch the fence's margin.
+    /// A sample of navigation is new. If what the lease can reach from here would touch the fence's margin, the lease
+    /// ends now, and not only at its next refresh.
     pub(crate) fn prevent(&mut self, cx: &mut Context) {
         let Some(lease) = self.lease else { return };
         if !is_on(Check::RefreshJudged) {
@@ -198,7 +200,7 @@ impl Modify {
         }
     }
 
-    /// Sends the lease's BPRMB, checked anew.
+    /// Checks the lease again, and sends its BPRMB.
     pub(crate) fn refresh(&mut self, cx: &mut Context) {
         let Some(lease) = self.lease else { return };
         if let Some(sent) = lease.sent
@@ -263,13 +265,13 @@ impl Modify {
         cx.transition(lease.request, RequestState::Sent);
     }
 
-    /// Ends the lease, if there is one: one BPEMB where the link is up, then silence.
+    /// Ends the lease, if there is one: sends one BPEMB if a BPRMB was sent and the link is up, and nothing after it.
     pub(crate) fn end(&mut self, cx: &mut Context, end: impl Into<Ended>) {
         let end = end.into();
         self.close(cx, end.clone(), RequestState::Ended(end));
     }
 
-    /// As [`Self::end`], with the state that the lease's request comes to.
+    /// As [`Self::end`], with the state in which the lease's request ends.
     pub(crate) fn close(&mut self, cx: &mut Context, end: Ended, state: RequestState) {
         let Some(lease) = self.lease.take() else { return };
         cx.arbiter.release(cx.now, LeaseKind::Modify);
@@ -317,8 +319,8 @@ impl Modify {
                 let end = Ended::Said(EndCause::VehicleRefused, text.to_owned());
                 self.close(cx, end, RequestState::Failed(Failure::Vehicle(text.to_owned())));
             }
-            // The refused one was replaced meanwhile. A plugin that asks anew in every step always has: waiting for the
-            // answer to the newest one would wait for ever.
+            // Another request has replaced the refused one. That is always so for a plugin that asks again in every
+            // step: if core waited for the answer to the newest request, it would wait for ever.
             Answer::Refused(text) => {
                 self.pause.failed(cx.now);
                 self.end(cx, Ended::Said(EndCause::VehicleRefused, text.to_owned()));
@@ -342,13 +344,14 @@ impl Modify {
         if self.lease.is_some_and(|lease| lease.request == request) {
             self.close(cx, EndCause::NotAcknowledged.into(), RequestState::TimedOut);
         } else if self.lease.is_some() {
-            // An older request of a lease that goes on: the vehicle has been silent for as long.
+            // The request is an older one of a lease that goes on. The vehicle has been silent for just as long.
             self.end(cx, EndCause::NotAcknowledged);
         }
     }
 
-    /// The vehicle has refused a BPRMB, or not answered it in time, whose lease was over by then: the next one waits all the
-    /// same, or whoever ends each lease at once would never wait. While it waits, all such are of before.
+    /// The vehicle has refused a BPRMB, or not answered it in time, but its lease had ended before. The next lease
+    /// waits all the same, or a plugin that ends each lease at once would never wait. During the pause such a BPRMB is
+    /// one from before it, and does not make the pause longer.
     pub(crate) fn failed_after_its_end(&mut self, cx: &mut Context) {
         if self.pause.left(cx.now).is_none() {
             self.pause.failed(cx.now);

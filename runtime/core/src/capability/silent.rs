@@ -1,13 +1,13 @@
 //! Silent mode (SPI 7.22; safety requirement 018).
 //!
-//! The vehicle acknowledges a BPSIL twice: on its receipt, then within 2 s, or 4 s where its tailcone still turns, with
-//! what came of it. It leaves silent mode by itself, after five minutes where the mission file says nothing else, and
-//! without a word. So the five minutes are kept here, from the moment that the request was sent: a plugin is told no
-//! later than they are over. The other way round, the vehicle counts as silent for as long as it may be: until then no
-//! request enters silent mode anew, which would not extend it.
+//! The vehicle acknowledges a BPSIL twice: first the receipt, then the result, within 2 s, or within 4 s if its
+//! tailcone still turns. It leaves silent mode by itself and without a message, after five minutes unless its mission
+//! file sets another time. So core counts the five minutes itself. For the plugin they begin when the request was sent,
+//! so that it never counts on the silence for too long. For another request they begin with the acknowledgement: as
+//! long as the vehicle may be silent, no request may enter silent mode again, because that would not extend it.
 //!
-//! Silence outlives us: neither a lost link, nor lost control, the operator's hold, the mission's end or the failure of
-//! the plugin that asked for it ends it before its time. Only that plugin may leave it before.
+//! A silence outlives much of ours. It goes on over a lost link, lost control, the operator's hold, the end of the
+//! mission, and the failure of the plugin that asked for it. Only that plugin may end it early.
 
 use backseat_spi::{SilentMode, ToVehicle};
 use backseat_units::Timestamp;
@@ -21,19 +21,19 @@ use crate::session::commands::{Answer, Purpose, SILENT_WITHIN};
 use crate::session::dispatch::Dispatch;
 use crate::timer::Timer;
 
-/// What is known of the vehicle's silence.
+/// What core knows of the vehicle's silence.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Silent {
     state: State,
-    /// How often it has been asked for.
+    /// How often this process has asked for it.
     entered: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum State {
-    /// The vehicle is not silent for us.
+    /// The vehicle is not silent at our request.
     #[default]
     Normal,
     /// BPSIL 1 was sent.
@@ -57,11 +57,11 @@ struct Entry {
 struct Silence {
     /// Who asked for it.
     plugin: PluginId,
-    /// The request; `None` where it is at its end, or had no answer, and the vehicle may be silent all the same.
+    /// The request; `None` if it has ended or was not answered, and the vehicle may be silent all the same.
     entry: Option<u64>,
-    /// The request ends no later.
+    /// When the request ends at the latest.
     until: Timestamp,
-    /// The vehicle is silent no longer.
+    /// When the vehicle has surely left silent mode.
     over: Timestamp,
 }
 
@@ -77,7 +77,7 @@ impl Silent {
 }
 
 impl Silent {
-    /// What a request sends, where it can be sent.
+    /// Checks a request and returns what to send.
     pub(crate) fn check(
         &self,
         cx: &mut Context,
@@ -93,7 +93,7 @@ impl Silent {
         Ok(Dispatch::new("SIL", message, Purpose::Silent(request)))
     }
 
-    /// The request's BPSIL has left.
+    /// The request's BPSIL was sent.
     pub(crate) fn sent(&mut self, cx: &mut Context, plugin: PluginId, request: u64, asked: &SilentRequest) {
         self.entered += u32::from(asked.silent);
         self.state = match self.state {
@@ -133,7 +133,7 @@ impl Silent {
         Ok(())
     }
 
-    /// The vehicle's answers to a BPSIL: the first, on its receipt, comes as pending whatever it says.
+    /// An answer to a BPSIL. The first one acknowledges the receipt, and arrives as pending whatever it says.
     pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match self.state {
             State::Entering(entry) if entry.request == request => self.entry_answered(cx, entry, answer),
@@ -168,7 +168,8 @@ impl Silent {
         }
     }
 
-    /// The vehicle may fall silent yet, and nothing will say so: it counts as silent for as long as that may last.
+    /// The vehicle may still fall silent, and no message would say so. It counts as silent for as long as that may
+    /// last.
     fn entry_unanswered(&mut self, cx: &mut Context, entry: Entry) {
         let limits = cx.monitor.limits();
         let over = cx.now + limits.link_delay_max() + SILENT_WITHIN + limits.silent_term();
@@ -201,7 +202,7 @@ impl Silent {
         }
     }
 
-    /// The vehicle may be silent or not: nobody can count on it any more.
+    /// The vehicle may be silent or not, so no plugin can count on its silence any more.
     fn leave_unanswered(&mut self, cx: &mut Context, silence: Silence, leave: u64) {
         self.become_silent(cx, State::Silent(Silence { entry: None, ..silence }));
         self.end_entry(cx, silence, EndCause::NotNormal.into());
@@ -214,7 +215,7 @@ impl Silent {
         }
     }
 
-    /// Takes the state on, with its timer.
+    /// Enters a state, and sets its timer.
     fn become_silent(&mut self, cx: &mut Context, state: State) {
         self.state = state;
         cx.vehicle.silent = self.is_kept();
@@ -228,7 +229,7 @@ impl Silent {
         cx.timers.set_or_stop(Timer::Silent, next);
     }
 
-    /// The five minutes are over: for the request first, then for the vehicle too.
+    /// A time is over: first the request's, then the vehicle's.
     pub(crate) fn timed_out(&mut self, cx: &mut Context) {
         let (silence, next) = match self.state {
             State::Normal | State::Entering(_) => return,
@@ -237,7 +238,7 @@ impl Silent {
                 let over = silence.over <= cx.now;
                 (silence, if over { State::Normal } else { State::Silent(lapsed) })
             }
-            // Its answer says what the vehicle is now.
+            // The answer will say what the vehicle is now.
             State::Leaving(silence, leave) => (silence, State::Leaving(Silence { entry: None, ..silence }, leave)),
         };
         self.become_silent(cx, next);
@@ -245,7 +246,7 @@ impl Silent {
         self.end_entry(cx, silence, Ended::Said(EndCause::Lapsed, format!("after {term_s} s")));
     }
 
-    /// Silence outlives the link; what was not answered never will be.
+    /// The link is lost. A silence goes on; an unanswered BPSIL will not be answered any more.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
         match self.state {
             State::Normal | State::Silent(_) => {}

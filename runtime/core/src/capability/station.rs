@@ -1,8 +1,10 @@
-//! Leases of a hovering vehicle: its mission suspended, the vehicle held or moved (SPI 8; safety requirement 005).
+//! Station keeping, the lease of a hovering vehicle: its mission is suspended, and it stays where it is or moves (SPI
+//! 8; safety requirement 005).
 //!
-//! Station keeping goes out as BPSUS, then BPSPD where it moves, then BPGHP or BPGBP, each after the acknowledgement of
-//! the one before, and is kept alive by BPCON. The speed limit of a move is always known: one that somebody left is not
-//! inherited. Whatever ends station keeping, the vehicle gets its own speed limit back, then BPRES, then silence.
+//! Station keeping sends BPSUS and, for a move, BPSPD and then BPGHP or BPGBP, each after the acknowledgement of the
+//! one before. BPCON keeps it alive. Core sets the speed limit of every move itself, and relies on no limit that
+//! somebody left. Whatever ends station keeping, core gives the vehicle its own speed limit back, sends BPRES, and
+//! nothing after it.
 
 use std::time::Duration;
 
@@ -28,27 +30,27 @@ mod speed;
 
 use speed::SpeedLimit;
 
-/// The vehicle takes its mission up again after 2 s (8.1).
+/// The vehicle resumes its mission after 2 s (8.1).
 const REFRESH_EVERY: Duration = Duration::from_millis(500);
-/// Past this since the last one it is too late to refresh: station keeping ends.
+/// If the last message is older than this, a refresh is too late: station keeping ends.
 const REFRESH_AT_MOST: Duration = Duration::from_secs(1);
 /// Station keeping that begins or changes is sent at once, at 5 Hz at most.
 const REFRESH_AT_LEAST: Duration = Duration::from_millis(200);
 
-/// So many places are kept where the mission may stand suspended.
+/// The most places to remember at which the mission was suspended, and to which the vehicle may return.
 const LEFT_MAX: usize = 16;
 
-/// Where station keeping stands, and where the vehicle is relative to its target.
+/// The state of station keeping.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Station {
     keeping: Option<Keeping>,
     limit: SpeedLimit,
-    /// When the last BPSUS, or the last BPSPD, BPGHP or BPGBP left, whatever request it was for.
+    /// When the last BPSUS, BPSPD, BPGHP or BPGBP was sent, for any request.
     steered: Option<Timestamp>,
 }
 
-/// For whom the vehicle keeps its station, and how.
+/// The plugin for which the vehicle keeps its station, and how.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Keeping {
@@ -59,11 +61,11 @@ pub(crate) struct Keeping {
     speed_mps: Option<f64>,
     hover: Hover,
     stage: Stage,
-    /// Where the mission was suspended, once BPSUS has left.
+    /// Where the mission was suspended; known once BPSUS was sent.
     suspended: Option<Suspended>,
-    /// The last move that has left.
+    /// The last move that was sent.
     sent_aim: Option<Aim>,
-    /// When the last BPSUS, BPCON, BPGHP or BPGBP left.
+    /// When the last BPSUS, BPCON, BPGHP or BPGBP was sent.
     sent: Option<Timestamp>,
     /// When station keeping was last judged.
     judged: Timestamp,
@@ -75,13 +77,13 @@ pub(crate) struct Keeping {
 enum Stage {
     /// Its first message is due.
     Due,
-    /// BPSUS has left.
+    /// BPSUS was sent.
     Suspending,
-    /// BPSPD has left, for this request.
+    /// BPSPD was sent, for this request.
     Limiting(u64),
-    /// BPGHP or BPGBP has left, for this request.
+    /// BPGHP or BPGBP was sent, for this request.
     Moving(u64),
-    /// All of it is acknowledged.
+    /// Every message is acknowledged.
     Standing,
 }
 
@@ -94,12 +96,12 @@ impl Station {
         }
     }
 
-    /// For whom the vehicle keeps its station.
+    /// The plugin for which the vehicle keeps its station.
     pub(crate) fn kept_for(&self) -> Option<PluginId> {
         self.keeping.map(|keeping| keeping.plugin)
     }
 
-    /// The connection is new or gone: its samples and answers are.
+    /// The connection is new or lost: forgets what answers have said of the speed limit.
     pub(crate) fn reset(&mut self) {
         self.limit.restoring = None;
         self.limit.known_mps = None;
@@ -113,7 +115,7 @@ impl Station {
 }
 
 impl Station {
-    /// A request takes the place of the one that stands, if there is one, which is returned.
+    /// A request replaces the current one, if there is one. Returns the replaced one.
     pub(crate) fn adopt(
         &mut self,
         cx: &mut Context,
@@ -140,7 +142,7 @@ impl Station {
         if let Some(before) = before {
             let changed = before.target != asked.target || before.speed_mps != asked.speed_mps;
             keeping.stage = match before.stage {
-                // What has changed meanwhile follows the acknowledgement.
+                // A change is sent after the acknowledgement.
                 Stage::Suspending => Stage::Suspending,
                 Stage::Due | Stage::Limiting(_) | Stage::Moving(_) | Stage::Standing if changed => Stage::Due,
                 stage @ (Stage::Due | Stage::Limiting(_) | Stage::Moving(_) | Stage::Standing) => stage,
@@ -154,7 +156,7 @@ impl Station {
         before
     }
 
-    /// Sends the first message of station keeping that has been adopted, or what has changed.
+    /// Sends the first message of adopted station keeping, or what has changed.
     pub(crate) fn begin(&mut self, cx: &mut Context, before: Option<Keeping>) {
         if let Some(before) = before {
             let same = |keeping: Keeping| before.plugin == keeping.plugin && before.tag == keeping.tag;
@@ -168,7 +170,7 @@ impl Station {
         self.drive(cx);
     }
 
-    /// What a request sends, where that may stand.
+    /// Checks a request and returns what station keeping sends.
     pub(crate) fn check(&self, cx: &Context, plugin: PluginId, asked: &StationRequest) -> Result<Hover, Refusal> {
         cx.outlook().admit_beside_gps_hit()?;
         if cx.vehicle.suspended.len() >= LEFT_MAX {
@@ -176,7 +178,7 @@ impl Station {
         }
         let mut hover = cx.monitor.envelope.admit_station(asked)?;
         cx.cap_steering(plugin, asked.duration)?;
-        // There is no command to stop: a vehicle that has been sent somewhere is sent to where it is.
+        // SPI has no command to stop. To stop a vehicle that was sent somewhere, core sends it to where it is.
         if hover.aim.is_none()
             && let Some(keeping) = &self.keeping
             && let Some(last) = &keeping.sent_aim
@@ -191,7 +193,7 @@ impl Station {
         Ok(hover)
     }
 
-    /// The whole judgement of station keeping, with what is known at this moment.
+    /// Judges station keeping in full, with what core knows now.
     fn judge_hover(&self, cx: &Context, hover: &Hover) -> Result<f64, Refusal> {
         self.with_surroundings(cx, |around| cx.monitor.envelope.judge_station(hover, around))
     }
@@ -226,7 +228,7 @@ impl Station {
         })
     }
 
-    /// Sends what is due of station keeping, and sets when to come back.
+    /// Sends what is due, and sets when to come back.
     fn drive(&mut self, cx: &mut Context) {
         let Some(keeping) = self.keeping else { return };
         if keeping.sent.is_some_and(|sent| cx.now.since(sent) > REFRESH_AT_MOST)
@@ -254,14 +256,14 @@ impl Station {
         cx.timers.set_or_stop(Timer::Station, next);
     }
 
-    /// Judges station keeping anew where that is older than this moment; ends it where that fails.
+    /// Judges station keeping again, unless that was done at this moment, and ends it if it fails.
     fn is_sound(&mut self, cx: &mut Context) -> bool {
         let Some(keeping) = self.keeping else { return false };
         keeping.judged == cx.now || self.prevent(cx)
     }
 
-    /// A sample is new, or time has passed: station keeping is judged in full, and ends where that fails. Its checks
-    /// are a few comparisons, so that each sample is worth one. False where no station keeping stands after it.
+    /// A sample is new, or time has passed: judges station keeping in full, and ends it if it fails. The judgement is a
+    /// few comparisons, so each sample is worth one. False if no station keeping is left.
     pub(crate) fn prevent(&mut self, cx: &mut Context) -> bool {
         let Some(keeping) = self.keeping else { return false };
         if is_on(Check::StationJudged)
@@ -276,7 +278,7 @@ impl Station {
         true
     }
 
-    /// Sends the next message on the way to what is asked; station keeping has been judged at this moment.
+    /// Sends the next message that leads to what is asked for. Station keeping has been judged at this moment.
     fn advance(&mut self, cx: &mut Context) {
         let Some(keeping) = self.keeping else { return };
         if keeping.suspended.is_none() {
@@ -296,7 +298,7 @@ impl Station {
         if self.limit.known_mps != Some(keeping.hover.speed_mps) {
             let created = cx.stamper.stamp(cx.now, "SPD");
             let speed_mps = keeping.hover.speed_mps;
-            // Before it is sent: what is sent may have come through.
+            // Set before the message is sent: from then on the vehicle may have this limit, whatever happens.
             self.limit = SpeedLimit {
                 known_mps: None,
                 changed: self.limit.changed || cx.monitor.limits().speed_default_mps() != Some(speed_mps),
@@ -351,7 +353,7 @@ impl Station {
         }
     }
 
-    /// Sends a message of station keeping. False where that ended it.
+    /// Sends a message of station keeping. False if that ended it.
     fn send(&mut self, cx: &mut Context, letters: &'static str, message: &ToVehicle) -> bool {
         let Some(keeping) = self.keeping else { return false };
         let command = Command {
@@ -376,11 +378,11 @@ impl Station {
         {
             keeping.sent = Some(cx.now);
         }
-        // A request that changes nothing goes out with the next BPCON; one whose own message waits does not.
+        // A request that changes nothing is sent with the next BPCON. One whose own message still waits is not.
         if steers || keeping.stage == Stage::Standing {
             cx.transition(keeping.request, RequestState::Sent);
         }
-        // Its plugin may have failed of the event.
+        // The event may have made its plugin fail.
         self.keeping.is_some_and(|now| now.request == keeping.request)
     }
 
@@ -390,7 +392,7 @@ impl Station {
         }
     }
 
-    /// All that a request of station keeping needs is acknowledged.
+    /// Everything that a request of station keeping needs is acknowledged.
     fn stands(&mut self, cx: &mut Context, request: u64) {
         self.set_stage(Stage::Standing);
         if self.keeping.is_some_and(|keeping| keeping.request == request) {
@@ -405,7 +407,7 @@ impl Station {
         }
     }
 
-    /// The vehicle is where it may have returned to. One without station keeping is.
+    /// Forgets the places to which the vehicle has now returned. Only a vehicle without station keeping returns.
     fn watch_return(&mut self, cx: &mut Context) {
         if self.keeping.is_some() || cx.vehicle.suspended.is_empty() {
             return;
@@ -421,8 +423,8 @@ impl Station {
         }
     }
 
-    /// Ends station keeping, if there is one: the vehicle's own speed limit and BPRES where the link is up, then
-    /// silence.
+    /// Ends station keeping, if there is one: sends the vehicle's own speed limit and BPRES if the link is up, and
+    /// nothing after them.
     pub(crate) fn end(&mut self, cx: &mut Context, end: impl Into<Ended>) {
         let end = end.into();
         self.close(cx, end.clone(), RequestState::Ended(end));
@@ -439,7 +441,7 @@ impl Station {
         if keeping.sent.is_some() {
             cx.monitor.permits.station_ends = true;
             self.restore_speed(cx, keeping.request);
-            // One that is not answered needs no second: the vehicle takes its mission up by itself after 2 s (8.1).
+            // A BPRES that is not answered is not repeated: the vehicle resumes its mission by itself after 2 s (8.1).
             let created = cx.stamper.stamp(cx.now, "RES");
             let command = cx.courtesy("RES", Some(created));
             if is_on(Check::StationEndSaid) {
@@ -451,7 +453,7 @@ impl Station {
             .ledger
             .get(keeping.request)
             .is_some_and(|entry| matches!(entry.state, RequestState::Rejected(_)));
-        // What has not been sent cannot have been refused or left unanswered.
+        // A request that was never sent cannot have been refused or left unanswered.
         let state = if proposed {
             RequestState::Ended(end.clone())
         } else {
@@ -464,7 +466,7 @@ impl Station {
         });
     }
 
-    /// An answer to a message of station keeping that stands.
+    /// An answer to a message of the current station keeping.
     pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, command: CommandName, answer: Answer<'_>) {
         let Some(keeping) = self.keeping else { return };
         let newest = keeping.request == request;
@@ -472,7 +474,8 @@ impl Station {
             if newest {
                 state
             } else {
-                // An older request of station keeping that goes on: what it says of the vehicle counts all the same.
+                // The request is an older one of station keeping that goes on. What the answer says of the vehicle
+                // counts.
                 RequestState::Ended(end.clone())
             }
         };
@@ -507,12 +510,12 @@ impl Station {
             }
             ("GHP" | "GBP", Stage::Moving(of)) if of == request => self.stands(cx, request),
             ("CON", Stage::Standing) => self.stands(cx, request),
-            // Of a message that another has overtaken.
+            // The message was overtaken by another one.
             (_, Stage::Due | Stage::Suspending | Stage::Limiting(_) | Stage::Moving(_) | Stage::Standing) => {}
         }
     }
 
-    /// The next message of station keeping may leave; the vehicle has moved on meanwhile.
+    /// The next message may leave. Station keeping is judged again first, because the vehicle has moved meanwhile.
     fn goes_on(&mut self, cx: &mut Context) {
         if self.is_sound(cx) {
             self.advance(cx);
@@ -520,7 +523,7 @@ impl Station {
         }
     }
 
-    /// The next BPCON is due, or what has changed.
+    /// The next BPCON, or a change, is due.
     pub(crate) fn refresh(&mut self, cx: &mut Context) {
         self.drive(cx);
     }

@@ -12,7 +12,7 @@ use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
 
-/// The longest text, bytes. The specification names no bound; an acoustic modem takes minutes for as much.
+/// The longest text, bytes. The specification sets no limit; an acoustic modem takes minutes to send this much.
 const TEXT_BYTES_MAX: usize = 200;
 
 /// What has been sent to the topside.
@@ -23,14 +23,14 @@ pub(crate) struct Topside {
 }
 
 impl Topside {
-    /// One more has been sent.
+    /// Counts a message that was sent.
     pub(crate) fn count(&mut self, now: Timestamp) {
         self.sent.add(now);
     }
 }
 
 impl Topside {
-    /// What a request sends, where it can be sent.
+    /// Checks a request and returns what to send.
     pub(crate) fn check(
         &mut self,
         cx: &mut Context,
@@ -50,7 +50,8 @@ impl Topside {
         Ok(Dispatch::new("TOP", message, Purpose::Topside(request)))
     }
 
-    /// Success means that the message waits for a link, not that anybody has read it (7.3): nothing more is heard of it.
+    /// Success means that the message waits for a link, not that anybody has read it (7.3). The vehicle reports nothing
+    /// more about it.
     pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
@@ -72,7 +73,7 @@ impl Topside {
         });
     }
 
-    /// Plugins are told what the topside has said.
+    /// Passes the topside's message to the plugins.
     pub(crate) fn tell(&self, cx: &mut Context, message: &TopsideMessage) {
         let text = message.text.as_str();
         let event = Event::TopsideMessage {
@@ -83,11 +84,12 @@ impl Topside {
     }
 }
 
-/// A plugin's text as it stands, or why it is not sent. It is never mended: what the topside reads is what was written.
+/// Returns a plugin's text unchanged, or why it is refused. A text is never corrected: the topside reads what the
+/// plugin wrote.
 ///
-/// A text that holds the three letters of a command in upper case is refused, wherever they stand: there are vehicles
-/// that take a sentence for the command whose name its text contains. Lower case is harmless, since names are
-/// case-sensitive (4.2), and no name consists of hexadecimal digits, which vehicles send as binary data (7.3).
+/// A text is refused if it contains the three letters of a command in upper case, wherever they are: some vehicles take
+/// a sentence for the command whose name its text contains. Lower case is harmless, because names are case-sensitive
+/// (4.2). Hexadecimal digits, in which vehicles send binary data (7.3), are harmless too: no name consists of them.
 fn admit_text(text: &str) -> Result<Text, Refusal> {
     if text.trim().is_empty() {
         return Err(Reason::TextEmpty.into());
@@ -135,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_of_commands_are_refused_in_upper_case_only_and_hexadecimal_digits_never() {
+    fn names_of_commands_are_refused_in_upper_case_and_hexadecimal_digits_are_not() {
         for bad in ["at RMB", "STOP", "BPKIL", "all CONtacts lost", "xRTKx"] {
             let refusal = admit_text(bad).unwrap_err();
             assert!(matches!(refusal, Refusal::CommandInText { .. }), "{refusal:?}");

@@ -1,4 +1,4 @@
-//! What every request must pass before anything of it is looked at.
+//! What every request must pass before its content is checked.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ impl Context {
     /// Whether a plugin may ask for something now: by its grants, its rate, and who has control.
     ///
     /// # Errors
-    /// The first of these that does not hold.
+    /// The first of these that refuses it.
     pub(crate) fn admit(&mut self, plugin: PluginId, grant: Grant) -> Result<(), Refusal> {
         let most = self.monitor.limits().requests_per_s;
         let own = self.plugins.limits(plugin).requests_per_s;
@@ -35,7 +35,7 @@ impl Context {
         }
     }
 
-    /// What every request needs at the moment that it leaves: control, and an armed runtime inside the fence.
+    /// What every request needs when it is sent: control, an armed runtime, and a vehicle inside the fence.
     pub(crate) fn admit_standing(&self, grant: Grant) -> Result<(), Refusal> {
         let steers = matches!(
             grant,
@@ -55,13 +55,13 @@ impl Context {
         Ok(())
     }
 
-    /// Whether a plugin may steer for so much longer.
+    /// Whether a plugin may steer for this much longer.
     pub(crate) fn cap_steering(&self, plugin: PluginId, duration: Duration) -> Result<(), Refusal> {
         let most = self.plugins.limits(plugin).steering_max();
         self.arbiter.cap(self.now, plugin, duration, most)
     }
 
-    /// A request does not leave. One that was over its plugin's rate is told now and then.
+    /// Rejects a request. If the reason is its plugin's rate, only some of the rejections are logged.
     pub(crate) fn reject(&mut self, request: u64, refusal: Refusal) {
         let owner = self.ledger.get(request).and_then(|entry| entry.owner.plugin());
         let over_rate = refusal

@@ -5,7 +5,7 @@ use crate::mutations::{Check, is_on};
 use crate::refusal::Uncontrolled;
 
 impl Context {
-    /// Why we have no control; `None` where it is ours.
+    /// Why we have no control; `None` if it is ours.
     pub(crate) fn lost_because(&self) -> Option<Uncontrolled> {
         let expects_plan = self.settings.expected_plan.is_some();
         let reason = if !self.link.is_up() {
@@ -40,7 +40,7 @@ impl Context {
         Some(reason)
     }
 
-    /// Why the vehicle does not hear us; `None` where it does (safety requirement 023).
+    /// Why we do not know that the vehicle hears us; `None` if we know it (safety requirement 023).
     pub(crate) fn unheard(&self) -> Option<Uncontrolled> {
         if self.link.heartbeat.is_heard(self.now) || !is_on(Check::Heard) {
             None

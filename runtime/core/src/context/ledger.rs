@@ -1,4 +1,4 @@
-//! A request comes to another state: its owner and the log are told.
+//! A request changes its state: its owner and the log learn of it.
 
 use super::Context;
 use crate::ended::{EndCause, Failure};
@@ -9,14 +9,14 @@ use crate::plugin::{Event, RequestState};
 use crate::session::commands::Answer;
 
 impl Context {
-    /// Takes a request on, tells its plugin and the log.
+    /// Changes a request's state, and reports it to its owner and the log.
     pub(crate) fn transition(&mut self, request: u64, to: RequestState) {
         if let Some(transition) = self.transition_unnoted(request, to) {
             self.note(Note::Request(transition));
         }
     }
 
-    /// As [`Context::transition`], for the plugin alone: the log has a count.
+    /// As [`Context::transition`], but only for the owner: the log has a count.
     pub(crate) fn transition_unnoted(&mut self, request: u64, to: RequestState) -> Option<Transition> {
         let transition = self.ledger.transition(request, to)?;
         match transition.owner {
@@ -33,14 +33,14 @@ impl Context {
         Some(transition)
     }
 
-    /// As [`Context::transition`], for the log alone: the plugin replaced its own request under the same tag.
+    /// As [`Context::transition`], but only for the log: the plugin replaced its own request under the same tag.
     pub(crate) fn transition_quietly(&mut self, request: u64, to: RequestState) {
         if let Some(transition) = self.ledger.transition(request, to) {
             self.note(Note::Request(transition));
         }
     }
 
-    /// The answer to a request that ends with it.
+    /// Handles the answer to a request that ends with it.
     pub(crate) fn request_answered(&mut self, request: u64, answer: Answer<'_>) {
         match answer {
             Answer::Pending => self.transition(request, RequestState::Pending),
@@ -53,8 +53,8 @@ impl Context {
         }
     }
 
-    /// The link is gone: what the vehicle had not decided on is in doubt. What has no identifier of its own cannot be
-    /// resolved by one.
+    /// The link is gone, so every request on which the vehicle has not decided is in doubt. An insert has an identifier
+    /// that can resolve its state later. Any other request has none, and times out.
     pub(crate) fn doubt_undecided(&mut self) {
         let undecided: Vec<(u64, RequestState)> = self
             .ledger

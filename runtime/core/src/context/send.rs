@@ -1,4 +1,4 @@
-//! The way out to the vehicle.
+//! Sending to the vehicle.
 
 use backseat_spi::{BehaviorId, CancelBehavior, ToVehicle};
 use backseat_units::TimeOfDay;
@@ -14,7 +14,7 @@ use crate::session::dispatch::Dispatch;
 use crate::session::name;
 
 impl Context {
-    /// Sends a message of the runtime's own.
+    /// Sends a message on the runtime's own account.
     pub(crate) fn transmit(&mut self, message: &ToVehicle, command: Option<Command>) -> bool {
         self.pass(None, message, command)
     }
@@ -24,7 +24,7 @@ impl Context {
         self.pass(Some(owner), message, command)
     }
 
-    /// Sends a request's command. False where the gate holds it back: then the request is rejected.
+    /// Sends a request's command. If it cannot be sent, rejects the request and returns false.
     pub(crate) fn send(&mut self, request: u64, dispatch: &Dispatch) -> bool {
         let owner = self.ledger.get(request).map(|entry| entry.owner);
         let command = dispatch.command(self.now);
@@ -35,7 +35,7 @@ impl Context {
         sent
     }
 
-    /// As [`Context::send`], of a request of which nothing more is kept than its state.
+    /// As [`Context::send`], for a request of which core keeps nothing but the state.
     pub(crate) fn send_request(&mut self, request: u64, dispatch: &Dispatch) -> bool {
         let sent = self.send(request, dispatch);
         if sent {
@@ -44,7 +44,7 @@ impl Context {
         sent
     }
 
-    /// A command whose answer is taken note of and no more.
+    /// A command on whose answer nothing depends; a refusal is logged.
     pub(crate) fn courtesy(&self, command: &'static str, created: Option<TimeOfDay>) -> Command {
         Command {
             name: name(command),
@@ -56,7 +56,8 @@ impl Context {
         }
     }
 
-    /// Sends a cancel: of the request `cancel`, or of the runtime's own. False where it could not be sent.
+    /// Sends a cancel of an insert, for the request `cancel` or on the runtime's own account. Returns false if it could
+    /// not be sent.
     pub(crate) fn send_cancel(&mut self, cancel: Option<u64>, insert: u64, identifier: BehaviorId) -> bool {
         let created = self.stamper.stamp(self.now, "RCN");
         let command = Command {
@@ -73,7 +74,8 @@ impl Context {
         )
     }
 
-    /// Asks for more where few identifiers are left, or not as many inserts as may be open at once.
+    /// Asks the driver to reserve more if few identifiers are left, or if the reservation allows for fewer further
+    /// inserts than may be open at once.
     pub(crate) fn reserve(&mut self) {
         let ahead = self.monitor.limits().inserts_open_max.max(1);
         let surfaces = self.plugins.any_has(Grant::Surface);
@@ -82,7 +84,8 @@ impl Context {
         }
     }
 
-    /// The only place from which anything leaves for the vehicle: through the gate, encoded, its answer awaited.
+    /// Asks the gate, encodes a message, and notes which answer to expect. Nothing is sent to the vehicle from anywhere
+    /// else.
     pub(crate) fn pass(&mut self, owner: Option<Owner>, message: &ToVehicle, command: Option<Command>) -> bool {
         if !self.gate(message).lets_through(owner, message) {
             return false;
@@ -97,7 +100,7 @@ impl Context {
         if let Some(command) = command {
             if !self.link.commands.push(command) {
                 self.note(Note::Text {
-                    text: format!("{} was not sent: too many commands are not answered", message.name()),
+                    text: format!("{} was not sent: too many commands wait for an answer", message.name()),
                 });
                 return false;
             }

@@ -1,4 +1,4 @@
-//! What the vehicle's answers are for (SPI 4.4, 6.21). Acknowledgements never refresh navigation's clock.
+//! Passes the vehicle's answers to what they are for (SPI 4.4, 6.21). An acknowledgement never counts as navigation.
 
 use backseat_spi::{AckStatus, Acknowledgement};
 
@@ -12,7 +12,8 @@ impl Core {
         self.cx.heard(ack.created);
         self.round_trip(ack);
         if let AckStatus::Other(code) = ack.status {
-            // It neither accepts nor refuses: the command stays unanswered, or what the vehicle flies would count as over.
+            // Such a status neither accepts nor refuses, so the command stays unanswered. If it counted as a refusal,
+            // an insert that the vehicle flies would count as over.
             if let Some(count) = self.session.malformed() {
                 let text = format!("BFACK of {}: status {code} is not defined", ack.command.as_str());
                 self.cx.note(Note::Malformed { text, count });
@@ -32,12 +33,12 @@ impl Core {
         self.answered(command, answer);
     }
 
-    /// Takes an answer, or its absence, to what its command was sent for.
+    /// Passes an answer, or its absence, to the part that sent the command.
     pub(crate) fn answered(&mut self, command: Command, answer: Answer<'_>) {
         match command.purpose {
-            // Its answer tells of the vehicle's habits and of nothing else.
+            // Its answer shows only that this vehicle answers early commands.
             Purpose::Early => {}
-            // Nothing but its round trip counts.
+            // Only its round trip counts.
             Purpose::Beat => {}
             Purpose::Subscription(index) => self.session.subscription_answered(&mut self.cx, index, answer),
             Purpose::Plan => self.plan_answered(answer),

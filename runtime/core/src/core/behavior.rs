@@ -1,4 +1,4 @@
-//! What the vehicle begins and ends (SPI 6.9, 6.10), and what follows of it.
+//! The behaviors that the vehicle begins and ends (SPI 6.9, 6.10), and what follows from that.
 
 use backseat_spi::{BehaviorBegin, BehaviorEnd, BehaviorId};
 
@@ -13,9 +13,10 @@ use crate::vehicle::dive::NamedBy;
 
 impl Core {
     pub(super) fn behavior_began(&mut self, message: BehaviorBegin) {
-        // First, for what has begun is of the dive that it names.
+        // This comes first, because the behavior belongs to the dive that the message names.
         self.dive_named(NamedBy::Behavior, &message.dive_file);
-        // One of neither number nor identifier (an adjustment) comes beside what is flown and says nothing of it.
+        // A behavior with neither number nor identifier (an adjustment) runs beside what is flown and says nothing
+        // about it.
         let is_flown = message.number.is_some() || message.identifier.is_some();
         if is_flown {
             let still_flown_after_end = message
@@ -36,11 +37,12 @@ impl Core {
             kind: message.kind.as_str().to_owned(),
         });
         if is_on(Check::LeaseEndsWithBehavior) {
-            // It modified another one (SPI 7.12).
+            // The modify belonged to another behavior (SPI 7.12).
             self.capabilities.modify.end(&mut self.cx, EndCause::BehaviorBegan);
         }
-        // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
-        // behavior that is suspended may be reported so (SPI 8.1 leaves it open), and station keeping modifies none.
+        // A suspended mission begins no behavior, so the vehicle has taken its mission up again. An end does not show
+        // this: the vehicle may report the end of the behavior that is suspended (SPI 8.1 leaves this open), and
+        // station keeping, unlike a modify, does not belong to a behavior.
         self.capabilities.station.end(&mut self.cx, EndCause::MissionGoesOn);
         self.cx.vehicle.mission_goes_on();
         if is_flown {
@@ -59,10 +61,11 @@ impl Core {
                     self.cx.transition(request, RequestState::Started);
                 } else {
                     if !self.cx.vehicle.plan.has(identifier) {
-                        // Another payload's that came after the plan was asked for, perhaps.
+                        // It may be another payload's, inserted after we asked for the plan.
                         self.session.want_plan(&mut self.cx);
                     }
-                    // It may have interrupted what was flown, which is then taken up again after all that waits.
+                    // It may have interrupted what was flown. The vehicle then takes that up again after all waiting
+                    // inserts.
                     self.capabilities.inserts.judge_waiting(&mut self.cx);
                 }
             }
@@ -71,7 +74,8 @@ impl Core {
                     self.cx.vehicle.plan.invalidate();
                     self.session.want_plan(&mut self.cx);
                 }
-                // An insert without the vehicle's word is not flown, and where it does not wait either it is over.
+                // An insert that the vehicle has not answered for is not flown now. If it is not queued either, it is
+                // over.
                 self.cx
                     .ledger
                     .settle_doubt_if(|entry| entry.not_queued && entry.insert.is_some_and(|insert| !insert.surfaces()));
@@ -126,8 +130,9 @@ impl Core {
         tell_of_behavior(&mut self.cx.plugins, false, own, message.kind.as_str());
     }
 
-    /// The vehicle flies one behavior at a time: an insert that had begun is over where another one begins, though its
-    /// BFMBE was lost with a connection; but where what begins interrupts, it may be taken up again.
+    /// Ends the inserts that had begun before this behavior. The vehicle flies one behavior at a time, so they are over
+    /// when another one begins, even if their BFMBE was lost with a connection. But if the new behavior interrupts, the
+    /// vehicle may take them up again.
     fn end_overtaken(&mut self, begun: Option<BehaviorId>) {
         let interrupts = begun
             .and_then(|begun| self.cx.ledger.get(self.cx.ledger.by_identifier(begun)?)?.insert)
@@ -157,7 +162,7 @@ impl Core {
     }
 }
 
-/// Those plugins are told that listen to the vehicle's behaviors.
+/// Gives the event to the plugins that asked for the vehicle's behaviors.
 fn tell_of_behavior(plugins: &mut Plugins, began: bool, own: Option<(Owner, u64)>, kind: &str) {
     for plugin in plugins.ids() {
         if plugins.wants(plugin, Topic::Behavior) {

@@ -1,4 +1,4 @@
-//! The connection comes and goes, the plan comes, and answers come round.
+//! The link goes up and down, the plan comes, and acknowledgements complete round trips.
 
 use backseat_spi::Acknowledgement;
 
@@ -31,7 +31,7 @@ impl Core {
         orders.link_up(cx, capabilities);
         capabilities.inserts.link_up(cx);
         if cx.control.held && is_on(Check::HoldCancels) {
-            // The operator may have taken the helm while nothing could be sent.
+            // The operator may have set the hold while nothing could be sent.
             capabilities.inserts.take_back_all(cx, None);
             capabilities.inserts.cancel_previous_run(cx);
         }
@@ -47,7 +47,7 @@ impl Core {
             session,
             ..
         } = self;
-        // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
+        // No BPEMB reaches the vehicle: its own time limit ends the modify (safety requirement 007).
         cx.link.end();
         cx.vehicle.previous_run.link_lost();
         if cx.ledger.interrupts() {
@@ -70,7 +70,7 @@ impl Core {
         }
     }
 
-    /// The answer to BPRMP: the plan is whole, or it is asked for again.
+    /// Handles the answer to BPRMP: the plan is complete, or core asks for it again.
     pub(super) fn plan_answered(&mut self, answer: Answer<'_>) {
         let Self {
             cx,
@@ -83,7 +83,7 @@ impl Core {
         }
         cx.vehicle.dive.planned();
         if compare_plan(cx) {
-            // Once more, for the day when two answers came mixed.
+            // Ask once more, because two answers may have come mixed.
             session.ask_for_plan_again(cx);
         }
         capabilities.inserts.resolve_by_plan(cx);
@@ -96,7 +96,7 @@ impl Core {
         }
     }
 
-    /// An acknowledgement may end a round trip.
+    /// Completes the round trip that an acknowledgement ends, if it ends one.
     pub(super) fn round_trip(&mut self, ack: &Acknowledgement) {
         let cx = &mut self.cx;
         let Some(heard) = cx.link.heartbeat.acknowledged(cx.now, ack) else {
@@ -114,7 +114,8 @@ impl Core {
     }
 }
 
-/// The vehicle's plan has come whole. True where it is found to be another than the expected one for the first time.
+/// Compares the vehicle's complete plan with the expected one. Returns true if they differ, and did not differ at the
+/// last comparison.
 fn compare_plan(cx: &mut Context) -> bool {
     let Some(expected) = &cx.settings.expected_plan else {
         return false;

@@ -1,4 +1,4 @@
-//! What the vehicle keeps to, as its behaviors begin and end, and as it navigates.
+//! Follows the vehicle's course as its behaviors begin and end, and as navigation comes.
 
 use backseat_spi::BehaviorId;
 use backseat_units::EastNorth;
@@ -17,14 +17,14 @@ pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<Be
     let here = cx.outlook().begins_here();
     cx.vehicle.courses.began(cx.now, flown, here);
     let insert = |identifier| cx.ledger.get(cx.ledger.by_identifier(identifier)?)?.insert;
-    // One that is not known here may have interrupted too.
+    // An insert that this process does not know may have interrupted too.
     if identifier.is_some_and(|identifier| insert(identifier).is_none_or(|insert| insert.interrupt)) {
         cx.vehicle.courses.leave_plan();
     }
 }
 
-/// Navigation has come, and has jumped perhaps. Where it did so around a begin, the vehicle knew itself at the one place
-/// or at the other.
+/// Navigation has come, perhaps with a jump. If it jumped close to a begin, the vehicle may have believed then that it
+/// was at either place.
 pub(super) fn navigated(cx: &mut Context, jump: Option<Jump>) {
     let Some(mut here) = cx.outlook().begins_here() else {
         return;
@@ -38,11 +38,12 @@ pub(super) fn navigated(cx: &mut Context, jump: Option<Jump>) {
     cx.vehicle.courses.navigated(before, here, solution);
 }
 
-/// A behavior has ended, for good or for one that interrupts it. Until another begins what is flown is not known.
+/// A behavior has ended, finally or because another one interrupts it. Core does not know what is flown until another
+/// begins.
 pub(super) fn ended(cx: &mut Context, number: Option<u32>, identifier: Option<BehaviorId>) {
     let ended = identifier.map(Flown::Inserted).or(number.map(Flown::Planned));
     let current = cx.vehicle.courses.current();
-    // Where it was seen what is flown, whatever ends makes that another.
+    // If core has only seen what is flown, any end means that something else is flown now.
     if ended.is_some() && (current.is_none() || ended == current) {
         cx.vehicle.courses.invalidate_after_loss();
     }
@@ -53,7 +54,8 @@ pub(super) fn ended(cx: &mut Context, number: Option<u32>, identifier: Option<Be
     }
 }
 
-/// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
+/// Notes whether the vehicle is on its line while no request of ours steers. From then on, it is no longer on the way
+/// to that line.
 pub(super) fn watch(cx: &mut Context) {
     if cx.arbiter.is_steering() {
         return cx.vehicle.courses.led_away();

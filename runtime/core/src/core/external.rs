@@ -1,4 +1,5 @@
-//! The way of an external source's sentence: read, admitted, bounded, stamped anew, sent through the gate; or refused.
+//! The way of an external source's sentence: core reads it, admits it, compares it with its bounds, gives it a new
+//! stamp, and sends it through the gate; or refuses it.
 
 use backseat_spi::{AckStatus, CommandName, DecodeError, Sentence, ToVehicle};
 use backseat_units::TimeOfDay;
@@ -18,7 +19,7 @@ use crate::session::is_told;
 use crate::session::subscriptions::ACKNOWLEDGEMENTS;
 use crate::settings::external::{ExternalSentence, bounds};
 
-/// So many lines of one read are answered; what an external source sends beyond them in one go is dropped and counted.
+/// How many lines of one read are answered. Core drops and counts any more that an external source sends at once.
 const LINES_MAX: usize = 32;
 
 /// What an external source's line says.
@@ -51,7 +52,7 @@ pub(super) fn received(cx: &mut Context, capabilities: &mut Capabilities, source
                 lines,
                 CommandName::NAK,
                 TimeOfDay::MIDNIGHT,
-                "it is no sentence",
+                "not a sentence",
             );
         }
         let Some(said) = said else { break };
@@ -87,7 +88,7 @@ fn external_said(
         return;
     }
     if is_courtesy(&message) && lines <= LINES_MAX {
-        // Programs that speak to a vehicle begin like this. Acknowledgements are always on here.
+        // Programs that talk to a vehicle begin with these sentences. Acknowledgements are always on here.
         return acknowledge(
             &mut cx.outbox,
             cx.stamper.utc(cx.now),
@@ -118,7 +119,7 @@ fn ask_for_external(
         Ok(message) => {
             let moves = bounds::moves_frame(&message) && is_on(Check::FrameReset);
             if moves {
-                // What a lease or station keeping stands on is about to be another place (safety requirement 021).
+                // The position on which every lease relies is about to change (safety requirement 021).
                 capabilities.end_leases(cx, EndCause::NavigationReset);
             }
             let resets = bounds::resets_relative(&message) && is_on(Check::FrameReset);
@@ -136,7 +137,7 @@ fn ask_for_external(
     }
 }
 
-/// The sentence as it is to leave, under our own stamp.
+/// The sentence as it will be sent, with our own stamp.
 fn admit_external(
     cx: &mut Context,
     source: ExternalId,
@@ -148,7 +149,7 @@ fn admit_external(
         let most_hz = port.setup.bounds.rate_max_hz;
         return Err(Figure::Sentences.over(most_hz + 1.0, most_hz));
     }
-    // What is relayed is the topside's word, which is no wish of ours: it passes without control (014).
+    // A relayed message is the topside's and not a request of ours, so it passes without control (014).
     if sentence != ExternalSentence::Relay
         && let Some(reason) = cx.lost_because()
     {
@@ -165,11 +166,14 @@ fn admit_external(
     Ok(bounds::stamped(message, created))
 }
 
-/// The message, every figure within the external source's bounds.
+/// The message, if every figure is within the external source's bounds.
 fn bounded(cx: &Context, source: ExternalId, message: ToVehicle) -> Result<ToVehicle, Refusal> {
     let bounds = &cx.externals.ports[source.0].setup.bounds;
     let utc = cx.utc().time_of_day();
-    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is an external source's")]
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "an external source can send no other message"
+    )]
     match message {
         ToVehicle::TopsideRelay(relay) if relay.text.holds_command() => Err(Reason::TextHoldsSentence.into()),
         ToVehicle::TopsideRelay(relay) => Ok(relay.into()),
@@ -194,7 +198,7 @@ fn bounded(cx: &Context, source: ExternalId, message: ToVehicle) -> Result<ToVeh
     }
 }
 
-/// A line that is not taken: answered, unless there are too many in one read, and counted.
+/// Refuses a line: counts it, and answers it unless there are too many in one read.
 fn refuse_line(cx: &mut Context, source: ExternalId, lines: usize, name: CommandName, echoed: TimeOfDay, text: &str) {
     if lines <= LINES_MAX {
         acknowledge(
@@ -213,16 +217,16 @@ fn count_refused(cx: &mut Context, source: ExternalId) {
     port.refused += 1;
     if is_told(port.refused) {
         let text = format!(
-            "external source {}: {} lines were not taken",
+            "external source {}: {} lines were refused",
             port.setup.name, port.refused
         );
         cx.note(Note::Text { text });
     }
 }
 
-/// What every payload may say of itself (SPI 7.25, 7.1), which ends here.
+/// Whether a message is one with which every payload introduces itself (SPI 7.25, 7.1). Core does not pass it on.
 fn is_courtesy(message: &ToVehicle) -> bool {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is one")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message introduces a payload")]
     match message {
         ToVehicle::PayloadVersion(_) => true,
         ToVehicle::LoggingControl(logging) => logging.message.as_str() == ACKNOWLEDGEMENTS,
@@ -230,7 +234,7 @@ fn is_courtesy(message: &ToVehicle) -> bool {
     }
 }
 
-/// As acknowledgements name it; what has no such name is no command (NAK).
+/// The name of a sentence in acknowledgements; `NAK` if it is not the name of a command.
 fn name_of(sentence: &str) -> CommandName {
     let known = backseat_spi::catalogue()
         .iter()

@@ -1,4 +1,4 @@
-//! What leaves for whom, in every state that core can be in.
+//! Which messages are sent for whom, in every state that core can be in.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ fn hear_control(core: &mut Core, granted: bool) {
     hear(core, BackseatControl { created, granted });
 }
 
-/// A second of a connection on which the vehicle navigates and says this of its mission.
+/// A core after one second of a connection, on which the vehicle has sent navigation and this mission status.
 fn connected(armed: bool, status: &str) -> Core {
     let mut core = unconnected(armed);
     core.handle(Timestamp::ZERO, Input::LinkUp);
@@ -104,7 +104,7 @@ fn unconnected(armed: bool) -> Core {
     Core::new(Settings::default(), Arc::new(envelope), Vec::new(), start)
 }
 
-/// A way in which the vehicle, the operator and the link can stand.
+/// A state of the vehicle, the operator and the link.
 struct Situation {
     name: &'static str,
     core: Core,
@@ -178,7 +178,7 @@ fn expected(name: &str, owner: Option<Owner>, situation: &Situation, own_insert:
     link && match name {
         // 014: without control too.
         "BPVER" | "BPLOG" | "BPSTS" | "BPMSG" | "BPRMP" | "BPEMB" => true,
-        // Only as the end of station keeping, and none stands.
+        // Only to end station keeping, and there is none.
         "BPRES" => false,
         "BPRCN" => own_insert,
         "BPTMR" => external && armed,
@@ -198,7 +198,7 @@ fn expected(name: &str, owner: Option<Owner>, situation: &Situation, own_insert:
 }
 
 #[test]
-fn sr_001_sr_012_sr_014_sr_016_each_message_leaves_for_whom_and_when_it_may_and_never_else() {
+fn sr_001_sr_012_sr_014_sr_016_each_message_is_sent_only_for_the_owners_and_in_the_states_that_allow_it() {
     let example = |name| catalogue().iter().find(|entry| entry.name == name).unwrap().example;
     let examples = catalogue()
         .iter()
@@ -251,7 +251,7 @@ fn sr_001_sr_012_sr_014_sr_016_each_message_leaves_for_whom_and_when_it_may_and_
 }
 
 #[test]
-fn sr_017_what_begins_the_triggering_needs_control_and_what_ends_it_does_not() {
+fn sr_017_beginning_to_trigger_the_dvl_needs_control_and_ending_it_does_not() {
     for mut situation in situations() {
         for (text, ends) in [("$BPDVR,081025.987,0,0", true), ("$BPDVR,081025.987,1,0", false)] {
             let message = ToVehicle::decode(&Sentence::parse(text).unwrap()).unwrap();
@@ -272,7 +272,7 @@ fn sr_017_what_begins_the_triggering_needs_control_and_what_ends_it_does_not() {
 }
 
 #[test]
-fn nothing_that_cannot_be_encoded_leaves() {
+fn a_message_that_cannot_be_encoded_is_not_sent() {
     let mut core = connected(true, "Running");
     let mut message = ToVehicle::decode(&Sentence::parse("$BPRMB,081025.987,90,3,0,1.5,1,0").unwrap()).unwrap();
     assert!(core.cx.pass(None, &message, None));

@@ -1,4 +1,4 @@
-//! What the vehicle says (SPI 5 and 6).
+//! The messages of the vehicle (SPI 5 and 6).
 
 use std::time::Duration;
 
@@ -51,7 +51,7 @@ impl Core {
         self.invalidate_after_unheard();
     }
 
-    /// What was lost on the link may have been a BFMBS or a BFMBE (safety requirement 002).
+    /// If something was lost on the link, it may have been a BFMBS or a BFMBE (safety requirement 002).
     fn invalidate_after_unheard(&mut self) {
         if self.session.take_lost() {
             self.cx.vehicle.invalidate_after_loss();
@@ -75,7 +75,7 @@ impl Core {
                 self.cx.heard(message.created);
                 if self.cx.settings.control == ControlHook::Bfctl {
                     self.cx.control.handed_over = Some(message.granted);
-                    // Control that is taken and given back in one read was lost all the same.
+                    // If the vehicle takes control and gives it back within one read, it was still lost.
                     self.settle_control();
                 }
             }
@@ -86,7 +86,7 @@ impl Core {
             FromVehicle::Shutdown(message) => {
                 self.cx.heard(message.created);
                 if self.cx.control.stopping || !is_on(Check::Shutdown) {
-                    // Said again, it gives us no more time.
+                    // A repeated BFSHT gives us no more time.
                     return;
                 }
                 self.cx.note(Note::Text {
@@ -163,14 +163,14 @@ impl Core {
         }
     }
 
-    /// Where the vehicle names another dive file, the plan is forgotten and asked for, and nothing steers until it is
-    /// whole.
+    /// If the vehicle names another dive file, core forgets the plan and asks for it again. Nothing steers until the
+    /// new plan is complete.
     pub(super) fn dive_named(&mut self, by: NamedBy, file: &Text) {
         if !self.cx.vehicle.dive.named(by, file) || !is_on(Check::DiveIdentity) {
             return;
         }
         self.cx.note_of_vehicle(Note::Text {
-            text: format!("another dive: {}", file.as_str().trim()),
+            text: format!("the vehicle names another dive: {}", file.as_str().trim()),
         });
         self.capabilities.end_leases(&mut self.cx, EndCause::OtherDive);
         self.capabilities.inserts.another_dive(&mut self.cx);
@@ -238,8 +238,9 @@ impl Core {
             .tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
     }
 
-    /// The operator's hold and release, where the session names their texts: the only way to reach us under water. Before
-    /// all else that the text may mean, for it beats all (safety requirement 015).
+    /// The operator's hold and release, if the mission names texts for them: the only way to reach us under water. This
+    /// comes before everything else that the text may mean, because a hold overrides everything (safety requirement
+    /// 015).
     fn operator_by_text(&mut self, text: &str) {
         let is = |named: &Option<String>| named.as_deref() == Some(text.trim());
         let act = match (is(&self.cx.settings.hold_text), is(&self.cx.settings.release_text)) {

@@ -1,4 +1,4 @@
-//! What navigation says (SPI 6.1, 6.2), and what follows of it.
+//! Navigation (SPI 6.1, 6.2), and what follows from it.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use crate::io::Note;
 use crate::vehicle::integrity::Flaw;
 use crate::vehicle::navigation::Change;
 
-/// A flaw of navigation that stays is told so often.
+/// How often a flaw of navigation is reported while it lasts.
 const FLAW_TOLD_EVERY: Duration = Duration::from_secs(10);
 
 impl Core {
@@ -26,7 +26,7 @@ impl Core {
             Change::Jumped(jump) => Some(jump),
         };
         if let Some(jump) = jump {
-            // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
+            // Safety requirement 021: the vehicle's position cannot be trusted for a while.
             self.cx.note_of_vehicle(Note::Navigation {
                 text: format!("navigation jumped by {:.1} m", jump.metres),
             });
@@ -39,7 +39,7 @@ impl Core {
             .watch_place(&mut self.cx, &mut self.capabilities, &mut self.orders);
     }
 
-    /// Safety requirement 024: what cannot be true steers nothing.
+    /// Safety requirement 024: navigation that cannot be true ends every lease.
     fn end_leases_on_flaw(&mut self) {
         let Some(Flaw { what, text }) = self.cx.vehicle.navigation.take_flaw() else {
             return;
@@ -52,7 +52,7 @@ impl Core {
             self.cx.note_of_vehicle(Note::Navigation {
                 text: format!("{}: {text}", what.text()),
             });
-            // They may never have been subscribed: an answer to BPLOG does not say to which it is.
+            // The vehicle may not have the subscription: an acknowledgement of BPLOG does not say which one it answers.
             if what == EndCause::VelocitiesMissing {
                 self.session.subscribe_anew(&mut self.cx, "NVR");
             }
@@ -67,14 +67,14 @@ impl Core {
         self.end_leases_on_flaw();
         if completes {
             self.follow_navigation();
-            // Control may have come with this navigation, and plugins are to know.
+            // This navigation may have given us control, and the plugins need to know that before they are stepped.
             self.settle_control();
             self.step_due(true);
         }
     }
 
-    /// What stands is held against the newest navigation, once for each BFNVG with its BFNVR, or for what has come of
-    /// them by the end of an input.
+    /// Judges the modify and the station keeping by the newest navigation: once for each BFNVG with its BFNVR, or, at
+    /// the end of an input, by what has come of the two.
     pub(super) fn follow_navigation(&mut self) {
         if core::mem::take(&mut self.unjudged) {
             course::watch(&mut self.cx);

@@ -1,4 +1,4 @@
-//! The way of every request that a plugin makes, from its words to the wire.
+//! The way of every request that a plugin makes, from its step to the link.
 
 use backseat_spi::{LogMessage, Text, ToVehicle};
 
@@ -18,7 +18,7 @@ use crate::session::dispatch::Dispatch;
 
 const MESSAGE_CHARS_MAX: usize = 200;
 
-/// What a request is in the ledger, and the grant that it needs.
+/// The tag and kind of a request in the ledger, and the grant that it needs.
 struct Asked {
     tag: u64,
     kind: RequestKind,
@@ -26,7 +26,7 @@ struct Asked {
 }
 
 impl Asked {
-    /// `None` of what is no request of its own.
+    /// `None` for a request that has no entry in the ledger.
     const fn of(request: &Request) -> Option<Self> {
         let (tag, kind, grant) = match request {
             Request::Modify(asked) => (asked.tag, RequestKind::Modify, Grant::Modify),
@@ -51,7 +51,7 @@ impl Asked {
 }
 
 impl Core {
-    /// The way of a request: proposed, admitted, arbitrated, checked, and sent through the gate; or rejected.
+    /// Proposes, admits, arbitrates and checks a request, and sends it through the gate; or rejects it.
     pub(super) fn ask(&mut self, plugin: PluginId, request: &Request) {
         let Some(asked) = Asked::of(request) else {
             return self.ask_aside(plugin, request);
@@ -119,7 +119,8 @@ impl Core {
         }
     }
 
-    /// Inserts that waited for an answer of the vehicle go on, checked anew, where it has come.
+    /// Checks the inserts again that wait for an answer of the vehicle, if it has come, and sends them. Rejects those
+    /// that have waited too long.
     pub(super) fn settle_waiting(&mut self) {
         while let Some(Waiting {
             request: number,
@@ -144,7 +145,7 @@ impl Core {
         self.capabilities.inserts.reject_unanswered(&mut self.cx);
     }
 
-    /// What the plugin of an open triggering asks for next: no request of its own, unless it is refused.
+    /// Handles the next step of an open DVL request. The step has no entry in the ledger, unless it is refused.
     fn step_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) {
         let Self { cx, capabilities, .. } = self;
         if !asked.external && !asked.triggering {
@@ -159,7 +160,7 @@ impl Core {
         }
     }
 
-    /// What has no entry in the ledger: the ends of leases, timers, lines for the vehicle's log.
+    /// Handles what has no entry in the ledger: the ends of leases, timers, lines for the vehicle's log.
     fn ask_aside(&mut self, plugin: PluginId, request: &Request) {
         let Self { cx, capabilities, .. } = self;
         match request {
@@ -193,7 +194,8 @@ impl Core {
         }
     }
 
-    /// A line for the vehicle's log (BPMSG, SPI 7.1): dropped where it comes too soon.
+    /// Sends a line for the vehicle's log (BPMSG, SPI 7.18). Drops it if the plugin lacks the grant, or if it comes too
+    /// soon after the last one.
     fn log_message(&mut self, plugin: PluginId, text: &str) {
         let cx = &mut self.cx;
         let in_time = cx.plugins.take_message(cx.now, plugin) || !is_on(Check::MessageRate);
@@ -202,7 +204,7 @@ impl Core {
         }
         let created = cx.stamper.stamp(cx.now, "MSG");
         let cut: String = text.chars().take(MESSAGE_CHARS_MAX).collect();
-        // In lower case: there are vehicles that take a sentence for the one whose name its text contains.
+        // In lower case, because some vehicles take a sentence for another one if its text contains that one's name.
         let text = Text::cleaned(&cut.to_lowercase());
         let command = cx.courtesy("MSG", Some(created));
         cx.transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));

@@ -1,4 +1,4 @@
-//! What the vehicle's sensors say, for the plugins that asked for it (SPI 6.3 to 6.8, 6.12 to 6.15, 6.18).
+//! The messages of the vehicle's sensors, for the plugins that asked for them (SPI 6.3 to 6.8, 6.12 to 6.15, 6.18).
 
 use backseat_spi::FromVehicle;
 use backseat_units::TimeOfDay;
@@ -9,7 +9,7 @@ use crate::plugin::{
     ServoSample, SoundVelocitySample, SurfacesSample, TelemetrySample, Topic, VehicleSpeedSample,
 };
 
-/// A sensor's message; anything else is none.
+/// Passes a sensor's message to the plugins. Ignores any other message.
 pub(super) fn sampled(cx: &mut Context, message: &FromVehicle) {
     if let Some(created) = message.created() {
         cx.heard(created);
@@ -21,7 +21,7 @@ pub(super) fn sampled(cx: &mut Context, message: &FromVehicle) {
 
 fn sample(cx: &Context, message: &FromVehicle, created: TimeOfDay) -> Option<(Topic, Sample)> {
     use FromVehicle as M;
-    #[expect(clippy::wildcard_enum_match_arm, reason = "all other messages are no samples")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is a sample")]
     Some(match message {
         M::Telemetry(message) => (
             Topic::Telemetry,
@@ -128,7 +128,7 @@ fn sample(cx: &Context, message: &FromVehicle, created: TimeOfDay) -> Option<(To
     })
 }
 
-/// The plan is known anew.
+/// Gives the new plan to the plugins that asked for it.
 pub(super) fn tell_of_plan(cx: &mut Context) {
     if !cx.plugins.ids().any(|plugin| cx.plugins.wants(plugin, Topic::Plan)) {
         return;

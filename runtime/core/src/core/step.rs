@@ -1,4 +1,4 @@
-//! The plugins' steps, and what is done when one fails (safety requirement 006).
+//! The plugins' steps, and what happens when a plugin fails (safety requirement 006).
 
 use super::Core;
 use crate::io::{Note, Output, Restarted};
@@ -8,7 +8,7 @@ use crate::plugin::slots::{Due, Failed, Step};
 use crate::plugin::{Event, FaultKind, PluginFault, PluginId, Returned, StepInput};
 
 impl Core {
-    /// Steps every plugin that is due: with navigation, at its period; without, when that is overdue.
+    /// Steps every plugin that is due: with navigation, at its period; without, when such a step is overdue.
     pub(super) fn step_due(&mut self, with_navigation: bool) {
         for plugin in self.cx.plugins.ids() {
             match self.cx.plugins.due(self.cx.now, plugin, with_navigation) {
@@ -47,7 +47,7 @@ impl Core {
         match returned.result {
             Ok(requests) => {
                 for request in requests {
-                    // One that has failed by the events of its own requests gets nothing more.
+                    // If the plugin has failed because of the events of these requests, the rest are dropped.
                     if !self.cx.plugins.is_idle(plugin) {
                         break;
                     }
@@ -65,7 +65,7 @@ impl Core {
         }
     }
 
-    /// Another instance of a plugin has come, or has failed to.
+    /// A new instance of a plugin has started, or has failed to.
     pub(super) fn restarted(&mut self, plugin: PluginId, restarted: Restarted) {
         if !self.cx.plugins.restarted(plugin) {
             return;
@@ -83,22 +83,22 @@ impl Core {
                 cx.plugins.tell(plugin, Event::Control(cx.control.granted));
             }
             Err(fault) => {
-                // Whatever it says of itself, there is no instance.
+                // Whatever kind of fault it reports, there is no instance.
                 let kind = FaultKind::Start;
                 self.failed(plugin, PluginFault { kind, ..fault });
             }
         }
     }
 
-    /// Plugins that have failed while something else was being done.
+    /// Handles the plugins that have failed while core was doing something else.
     pub(super) fn fail_plugins(&mut self) {
         while let Some((plugin, fault)) = self.cx.plugins.take_failure() {
             self.failed(plugin, fault);
         }
     }
 
-    /// A plugin has failed: it steers no longer, what it declared for the case is done, and it comes back later or not at
-    /// all. Its siblings notice nothing.
+    /// A plugin has failed: it no longer steers, core does what the mission's `on_failure` says, and the plugin is
+    /// restarted later or not at all. The other plugins do not notice it.
     fn failed(&mut self, plugin: PluginId, fault: PluginFault) {
         let Self {
             cx,

@@ -1,12 +1,13 @@
-//! When things are flown: what the zones that are valid for a time are judged by (safety requirement 002).
+//! The times at which inserts are flown, for zones that are valid for a limited time (safety requirement 002).
 //!
-//! An insert flies when the vehicle comes to it. Its judgement covers the time from the asking to the latest end that
-//! can be told. What delays it beyond that, a lease under which the planned leg grows longer, an insert that interrupts,
-//! is met here: one that has not begun by then is judged by the new time, and called back where that does not hold.
+//! The vehicle flies an insert when it comes to it. The judgement of an insert covers the time from the request to the
+//! latest end that core can compute. A lease during a planned leg, or an insert that interrupts, can delay the insert
+//! beyond that. If it has not begun by the time that it was judged for, core computes its new end, and cancels it if a
+//! zone opens or closes before that.
 
 use backseat_units::Timestamp;
 
-/// By when an insert was judged to be flown.
+/// The times that an insert was judged for.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Schedule {

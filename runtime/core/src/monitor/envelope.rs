@@ -1,5 +1,5 @@
-//! The monitor's judgement: what the operator's fence and limits say of a request, of the way to it and of what
-//! follows it. Pure: the same question gives the same answer, to core before anything is sent and to plugins that ask.
+//! The monitor's judgement: whether the operator's fence and limits allow a request, the way to it and what follows it.
+//! It is pure: the same question gives the same answer, to core before it sends anything and to plugins that ask.
 
 use std::time::Duration;
 
@@ -38,7 +38,7 @@ pub(crate) use time::{APART_MAX, Clocks};
 /// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
 pub(crate) const MODIFY_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// A vertical setpoint that is one.
+/// A vertical setpoint whose value has been checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Vertical {
@@ -46,7 +46,7 @@ pub(crate) enum Vertical {
     Altitude(Altitude),
 }
 
-/// What a modify sets: always all three, never left for the vehicle to inherit.
+/// What a modify sets. It always sets all three, so the vehicle inherits none of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Setpoint {
@@ -79,17 +79,17 @@ pub(crate) enum InsertPath {
         entry_angle_deg: Option<f64>,
         flight: Flight,
     },
-    /// To a place at a depth and speed of the vehicle's own, up to the surface there, and adrift until GPS has its fix
-    /// (SPI 7.7).
+    /// A GPS hit: the vehicle goes to a place at a depth and speed of its own choice, climbs to the surface there, and
+    /// drifts until GPS has a fix (SPI 7.7).
     Surface { at: Position },
 }
 
-/// An insert whose figures have been checked.
+/// An insert whose values have been checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Insert {
     pub(crate) path: InsertPath,
-    /// It begins at once rather than after the current behavior.
+    /// Whether it begins at once instead of after the current behavior.
     pub(crate) interrupt: bool,
 }
 
@@ -110,7 +110,7 @@ impl Insert {
     }
 }
 
-/// A water depth that bottom lock gave, and where.
+/// A water depth from bottom lock, and where it was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct BottomLock {
@@ -118,48 +118,52 @@ pub(crate) struct BottomLock {
     pub(crate) at: EastNorth,
 }
 
-/// What surrounds a request: where the vehicle may be when it begins, and what it may go on to after it.
+/// What comes before and after a request: where the vehicle may be when the request begins, and where it may go after
+/// it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Route {
-    /// Where it may come from.
+    /// Where the vehicle may come from.
     pub(crate) from: Vec<End>,
-    /// It may come from the surface: a GPS hit may be flown before it.
+    /// The vehicle may come from the surface, because a GPS hit may be flown before the request.
     pub(crate) from_surface: bool,
-    /// It may go on to the surface: a GPS hit may be flown after it.
+    /// The vehicle may go on to the surface, because a GPS hit may be flown after the request.
     pub(crate) to_surface: bool,
-    /// The depth of what may be flown before it, where that is deeper than the vehicle is now, metres.
+    /// The greatest depth of what may be flown before the request, metres. It counts only if the vehicle is not deeper
+    /// now.
     pub(crate) deepest_m: f64,
-    /// The fastest that the vehicle was seen to fly its plan in this dive, m/s over ground.
+    /// The greatest speed over ground at which the vehicle was seen to fly its plan in this dive, m/s.
     pub(crate) seen_mps: f64,
-    /// Where what may come next begins.
+    /// Where the vehicle may go after the request: where what may come next begins.
     pub(crate) to: Vec<End>,
-    /// What it may take up again after it.
+    /// The tracks that the vehicle may take up again after the request.
     pub(crate) onto: Vec<Track>,
-    /// What it may be on now, to which a lapsed modify returns.
+    /// The tracks that the vehicle may be on now. When a modify lapses, the vehicle returns to one of them.
     pub(crate) legs: Vec<Track>,
-    /// The depths of what is flown before it and after it, from and to, metres; `None` where they count for nothing.
+    /// The least and the greatest depth of what is flown before and after the request, metres. If `None`, only the
+    /// request's own depths count.
     pub(crate) depths_m: Option<[f64; 2]>,
-    /// How long all that may be flown before it takes at most, or an insert that it modifies, seconds; infinite where
-    /// nobody knows.
+    /// How long everything that may be flown before the request takes at most, seconds. For a modify: how long the
+    /// insert that it changes takes at most. Infinite if nobody knows.
     pub(crate) before_s: f64,
 }
 
-/// How a way is flown that belongs to no request.
+/// How the vehicle flies a way that belongs to no request.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Passage {
     /// The vehicle's depth now.
     pub(crate) depth: Depth,
     pub(crate) lock: Option<BottomLock>,
-    /// A GPS hit is at one of its ends, and it goes through all depths down to this one.
+    /// A GPS hit is at one end of the way, so the vehicle may be at any depth from the surface down to `depth`.
     pub(crate) surfacing: bool,
-    /// The depth that it may climb from at that end where it is deeper than it is now, metres.
+    /// The depth from which the vehicle may climb to the surface at that end, metres. It counts only if the vehicle is
+    /// not deeper now.
     pub(crate) deepest_m: f64,
-    /// As a route's.
+    /// As `Route::seen_mps`.
     pub(crate) seen_mps: f64,
-    /// As a route's.
+    /// As `Route::depths_m`, with the depth now in place of the request's depths.
     pub(crate) depths_m: Option<[f64; 2]>,
     pub(crate) clocks: Clocks,
-    /// It begins by then at the latest, seconds.
+    /// When the way begins at the latest, seconds from now.
     pub(crate) before_s: f64,
 }
 
@@ -173,28 +177,28 @@ struct Way {
 }
 
 impl Route {
-    /// Where it may come from, as far as the ways from there are judged.
+    /// Where the vehicle may come from; nothing in a test build without the check of the ways from there.
     fn checked_from(&self) -> impl Iterator<Item = &End> {
         self.from.iter().filter(|_| is_on(Check::InsertWayTo))
     }
 
-    /// The lines that it may take up again, as far as the ways there are judged.
+    /// The tracks that the vehicle may take up again; none in a test build without the check of the ways there.
     fn checked_onto(&self) -> impl Iterator<Item = &Track> {
         self.onto.iter().filter(|_| is_on(Check::InsertWayOn))
     }
 
-    /// The depths that may be passed on the ways.
+    /// The least and the greatest depth on the ways, metres.
     fn passed_m(&self, extent: &VerticalExtent) -> [f64; 2] {
         self.depths_m.unwrap_or([extent.depth_min_m, extent.depth_max_m])
     }
 
-    /// Every point to which it may go on.
+    /// Every point to which the vehicle may go on.
     fn goes_on_to(&self) -> impl Iterator<Item = EastNorth> {
         let next = self.to.iter().flat_map(|to| to.corners());
         next.chain(self.onto.iter().flat_map(Track::points))
     }
 
-    /// What may come next, as far as the ways there are judged.
+    /// Where the vehicle may go next; nothing in a test build without the check of the ways there.
     fn checked_to(&self) -> impl Iterator<Item = &End> {
         self.to.iter().filter(|_| is_on(Check::InsertWayOn))
     }
@@ -204,12 +208,12 @@ impl Route {
 pub struct Envelope {
     fence: Fence,
     limits: Limits,
-    /// A zone of the fence is not always valid.
+    /// At least one zone of the fence is not always valid.
     timed: bool,
 }
 
 impl Envelope {
-    /// From a fence and validated limits.
+    /// Makes an envelope of a fence and of validated limits.
     #[must_use]
     pub fn new(fence: Fence, limits: Limits) -> Self {
         let timed = fence.zones().any(|zone| zone.window() != Window::default());
@@ -294,8 +298,8 @@ impl Envelope {
         })
     }
 
-    /// Safety requirement 002 for an insert: the transit to it, its lead-in and lead-out, its whole geometry, and the
-    /// way on to what comes after it.
+    /// Judges an insert by safety requirement 002: the way to it, its lead-in and lead-out, its whole geometry, and the
+    /// ways on to what comes after it. Returns the smallest clearance, metres.
     pub(crate) fn judge_insert(
         &self,
         insert: &Insert,
@@ -329,24 +333,25 @@ impl Envelope {
         let to_it = route.from.iter().map(|from| farthest_m(*from, ends.0));
         let from_it = route.goes_on_to().map(|to| farthest_m(ends.1, End::At(to)));
         let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
-        // What a bottom lock tells must hold for the ways too.
+        // The water depths that a bottom lock shows must hold for the ways too.
         let reach_m = reach_m + ways_m + cross_track_m;
         let around = ends.0.middle();
         let Some(flight) = insert.flight() else {
-            // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
+            // The vehicle chooses the depths at which it flies a GPS hit: any depth between the surface and the depth
+            // that it comes from.
             let deepest = deepest(depth, route.deepest_m)?;
             let extent = self.extent(Vertical::Depth(deepest), depth, lock, around, reach_m)?;
             return self.judge_surfacing((shape, cross_track_m + climb.along_m), ends, &extent, route, when);
         };
         let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
-        // What comes before it and after it may be flown faster.
+        // The vehicle may fly faster before and after the insert.
         let way = Way {
             cross_track_m: self.cross_track_m(self.fastest_mps(route.seen_mps)),
             extent,
             depths_m: route.passed_m(&extent),
             when,
         };
-        // It may come from where it has come up.
+        // The vehicle may come from the surface. The climb to it may have led it `climb.along_m` metres away.
         let to_it = Way {
             cross_track_m: way.cross_track_m + climb.along_m,
             ..way
@@ -367,24 +372,25 @@ impl Envelope {
         Ok(least_m)
     }
 
-    /// The way from one end to another alone: what remains when an insert between them is cancelled.
+    /// Judges the way from one end to another alone, such as what remains when an insert between them is cancelled.
+    /// Returns the smallest clearance, metres.
     pub(crate) fn judge_way(&self, (from, to): (End, End), passage: &Passage) -> Result<f64, Refusal> {
         let way = self.passed(passage, to.middle(), farthest_m(from, to))?;
         self.way_by(passage.surfacing, from, to, &way)
     }
 
-    /// As [`Envelope::judge_way`], onto what the vehicle takes up again.
+    /// As [`Envelope::judge_way`], but onto a track that the vehicle takes up again.
     pub(crate) fn judge_way_onto(&self, (from, onto): (End, &Track), passage: &Passage) -> Result<f64, Refusal> {
         let farthest_m = onto
             .points()
             .map(|to| farthest_m(from, End::At(to)))
             .fold(0.0, f64::max);
-        // By way of the line at most.
+        // If the vehicle flies by way of the line, its way is at most sqrt(2) times as long as the straight one.
         let way = self.passed(passage, from.middle(), SQRT_2 * farthest_m)?;
         self.way_onto(passage.surfacing, from, onto, &way)
     }
 
-    /// How a way of so many metres is flown, which lies around a point.
+    /// How the vehicle flies a way of `way_m` metres that lies around a point.
     fn passed(&self, passage: &Passage, around: EastNorth, way_m: f64) -> Result<Way, Refusal> {
         let climb = if passage.surfacing {
             self.climb(deepest(passage.depth, passage.deepest_m)?)
@@ -409,7 +415,7 @@ impl Envelope {
         })
     }
 
-    /// Where an insert begins and ends: a line with a lead of any length up to the longest.
+    /// Where an insert begins and ends. A line may have leads of any length up to the longest.
     pub(crate) fn ends(&self, insert: &Insert) -> (End, End) {
         let frame = self.fence.frame();
         match insert.path {
@@ -454,7 +460,7 @@ impl Envelope {
         }
     }
 
-    /// How long an insert flies at most, its transit from `from` included, seconds.
+    /// How long an insert takes at most, including the transit from `from`, seconds.
     pub(crate) fn duration_s(&self, insert: &Insert, from: &[End]) -> f64 {
         let limits = &self.limits;
         let length_m = self.length_m(insert);
@@ -470,18 +476,18 @@ impl Envelope {
         (length_m + transit_m) / (speed_mps - limits.current_max_mps) + turns_s + at_surface_s
     }
 
-    /// As [`Envelope::duration_s`], and on to what may come next, which the vehicle flies no more slowly than the
-    /// mission's plugins may ask for.
+    /// As [`Envelope::duration_s`], and including the way on to what may come next. The vehicle flies that way no
+    /// slower than `speed_min_mps`, the least speed that plugins may ask for.
     pub(crate) fn lasts_s(&self, insert: &Insert, route: &Route) -> f64 {
         let end = self.ends(insert).1;
         let straight_m = route.to.iter().map(|to| farthest_m(end, *to)).fold(0.0, f64::max);
-        // By way of the line at most.
+        // If the vehicle flies by way of the line, its way is at most sqrt(2) times as long as the straight one.
         let points = route.onto.iter().flat_map(Track::points);
         let onto_m = SQRT_2 * points.map(|to| farthest_m(end, End::At(to))).fold(0.0, f64::max);
         self.duration_s(insert, &route.from) + straight_m.max(onto_m) / self.slowest_mps()
     }
 
-    /// How far the vehicle goes on an insert itself, metres.
+    /// The length of an insert itself, metres: of a line with its longest leads, and of all orbits of a circle.
     fn length_m(&self, insert: &Insert) -> f64 {
         let frame = self.fence.frame();
         match insert.path {
@@ -497,7 +503,7 @@ impl Envelope {
         self.least(ways(from, to), way.cross_track_m, |sweep| self.sweep_way(sweep, way))
     }
 
-    /// What holds of all of some shapes, each so far around.
+    /// The smallest clearance of several shapes, each widened by `radius_m`, metres.
     fn least(
         &self,
         shapes: Vec<Shape>,

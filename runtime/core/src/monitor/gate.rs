@@ -1,6 +1,8 @@
-//! The last place before the wire (safety requirements 001, 012, 014, 016 and 017): what each message needs.
+//! The last check of a message before it is encoded (safety requirements 001, 012, 014, 016 and 017): what each message
+//! needs.
 //!
-//! Who asks for a message has checked all that it needs; this is checked once more here, for the day when one forgets.
+//! The code that asks for a message has already checked all that the message needs. The gate checks it once more, in
+//! case some of that code forgets it.
 
 use backseat_spi::{HullSpeedLimit, ToVehicle};
 use backseat_units::Timestamp;
@@ -11,27 +13,30 @@ use crate::owner::Owner;
 /// What a message needs before it may leave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Needs {
-    /// Nothing but the link: it is on the list of what may be sent without control (014).
+    /// Only the link: the message is on the list of what may be sent without control (014).
     Link,
-    /// That the insert which it takes back is one that this runtime has sent (014).
+    /// The insert that the message cancels must be one that this runtime has sent, in this run or in a previous one
+    /// (014).
     OwnInsert,
-    /// An armed runtime with control (001), and that it is no external source's.
+    /// An armed runtime with control (001). The message must not be an external source's.
     Control,
-    /// An armed runtime with control, and that it is the operator's.
+    /// An armed runtime with control. The message must be the operator's.
     OperatorWithControl,
-    /// The same, and that it is an external source's or the operator's: it moves the vehicle's idea of where it is.
+    /// An armed runtime with control. The message must be an external source's or the operator's, because it changes
+    /// where the vehicle believes itself to be.
     ExternalWithControl,
-    /// That it is the operator's, and an armed runtime: abort and kill (012).
+    /// An armed runtime. The message must be the operator's: abort and kill (012).
     OperatorArmed,
-    /// The same, no hold of the operator's, and that the vehicle has said that no mission runs.
+    /// An armed runtime, no hold of the operator, a run that is not ending, and a vehicle that has reported that no
+    /// mission runs. The message must be the operator's.
     NoMission,
-    /// That it is an external source's: what it relays is the topside's word (014).
+    /// An armed runtime. The message must be an external source's: it relays what the topside has said (014).
     External,
     /// An armed runtime with control, in a window of the acoustic modem (016).
     Window,
-    /// An armed runtime with control, where the vehicle has allowed the DVL's triggering (017).
+    /// An armed runtime with control, and the vehicle's permission to trigger the DVL (017).
     Handshake,
-    /// It never leaves.
+    /// The message never leaves.
     Never,
 }
 
@@ -46,7 +51,8 @@ const fn needs(message: &ToVehicle) -> Needs {
         | M::RequestPlan(_) => Needs::Link,
         M::CancelBehavior(_) => Needs::OwnInsert,
         M::DvlTriggerRequest(request) => {
-            // What ends the triggering is a reply of the handshake; what begins it is not.
+            // A message that ends the triggering is a reply in the handshake. One that asks to begin needs control, and
+            // one that says that the payload triggers needs the vehicle's permission.
             if request.triggering {
                 Needs::Handshake
             } else if request.external {
@@ -77,14 +83,14 @@ const fn needs(message: &ToVehicle) -> Needs {
         M::StartEmptyMission(_) => Needs::NoMission,
         M::TopsideRelay(_) => Needs::External,
         M::Packet(_) => Needs::Window,
-        // Only as the end of station keeping, see `Gate::ends_station`.
+        // This leaves only at the end of station keeping, see `Gate::ends_station`.
         M::Resume(_) => Needs::Never,
-        // What is unknown is not ours.
+        // The runtime has no reason to send an unknown message.
         M::Unknown(_) => Needs::Never,
     }
 }
 
-/// Whether a message takes the vehicle elsewhere, or keeps it from going on.
+/// Whether a message takes the vehicle elsewhere, or stops it from going on.
 const fn steers(message: &ToVehicle) -> bool {
     use ToVehicle as M;
     matches!(
@@ -101,11 +107,11 @@ const fn steers(message: &ToVehicle) -> bool {
     )
 }
 
-/// What the vehicle has permitted, and which of our own ends is on its way.
+/// What the vehicle has permitted, and whether the end of station keeping is on its way.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Permits {
-    /// An acoustic packet may leave before this, to arrive before the window's end (016).
+    /// An acoustic packet may leave before this time, so that it arrives before the end of the window (016).
     pub(crate) window_until: Option<Timestamp>,
     /// The payload may say that it triggers the DVL (017).
     pub(crate) may_trigger: bool,
@@ -126,13 +132,13 @@ pub(crate) struct Gate<'a> {
     pub(crate) now: Timestamp,
     /// The link is up.
     pub(crate) is_up: bool,
-    /// The operator lets this process send what steers.
+    /// The operator allows this process to send messages that steer.
     pub(crate) is_armed: bool,
     /// Control is ours.
     pub(crate) has_control: bool,
-    /// No mission runs, and the operator neither holds nor ends the run.
+    /// No mission runs, the operator does not hold, and the run is not ending.
     pub(crate) may_start_mission: bool,
-    /// An insert that is taken back is one that this runtime has sent.
+    /// The message cancels an insert that this runtime has sent, in this run or in a previous one.
     pub(crate) is_own_insert: bool,
     pub(crate) permits: &'a Permits,
     /// The vehicle's own speed limit, m/s.
@@ -140,7 +146,7 @@ pub(crate) struct Gate<'a> {
 }
 
 impl Gate<'_> {
-    /// Whether a message of this owner may leave now; of the runtime itself where there is none.
+    /// Whether a message of this owner may leave now. `None` is the runtime itself.
     pub(crate) fn lets_through(&self, owner: Option<Owner>, message: &ToVehicle) -> bool {
         self.is_up && (self.ends_station(message) || self.may_leave(owner, message))
     }
@@ -165,7 +171,8 @@ impl Gate<'_> {
         }
     }
 
-    /// Whether a message ends the station keeping that is being ended: that needs no control (safety requirement 014).
+    /// Whether a message belongs to the end of station keeping that is on its way. Such a message needs no control
+    /// (safety requirement 014).
     fn ends_station(&self, message: &ToVehicle) -> bool {
         let restores = |limit: &HullSpeedLimit| self.speed_default_mps == Some(limit.speed_mps);
         self.permits.station_ends

@@ -9,15 +9,15 @@ use serde::{Deserialize, Serialize};
 use crate::monitor::limits::integrity::IntegrityLimits;
 use crate::monitor::limits::station::StationLimits;
 
-/// A limit that makes no sense.
+/// A limit with an invalid value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} is {value}: expected {expected}")]
 pub struct LimitError {
     /// The key of the `limits` table.
     pub key: &'static str,
-    /// What it was set to.
+    /// Its value.
     pub value: f64,
-    /// What it may be.
+    /// The values that it may have.
     pub expected: &'static str,
 }
 
@@ -41,28 +41,30 @@ pub struct Limits {
     pub speed_min_mps: f64,
     /// The greatest speed that may be asked for, m/s.
     pub speed_max_mps: f64,
-    /// The turn rate that the vehicle reaches at least, degrees per second.
+    /// The turn rate that the vehicle always reaches, degrees per second.
     pub turn_rate_dps: f64,
-    /// How much longer a turn takes than at that rate throughout, seconds: the rate has to be reached, and given up again.
+    /// How much longer a turn takes than it would at that rate throughout, seconds, because the rate has to build up
+    /// and decay.
     #[serde(default = "default::turn_lag_s")]
     pub turn_lag_s: f64,
-    /// The greatest speed of the vehicle's own plan, m/s: no sentence says how fast a plan is flown. Without it
-    /// `speed_max_mps`, or the greatest speed over ground that was seen in this dive while the plan was flown.
+    /// The greatest speed of the vehicle's own plan, m/s. SPI does not report how fast a plan is flown. If absent: the
+    /// greater of `speed_max_mps` and the greatest speed over ground that was seen in this dive while the plan was
+    /// flown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan_speed_max_mps: Option<f64>,
-    /// The shallowest angle at which the vehicle climbs to the surface, degrees: so far it goes on from the place of a GPS
-    /// hit.
+    /// The shallowest angle at which the vehicle climbs to the surface, degrees. It decides how far the vehicle travels
+    /// from the place of a GPS hit while it climbs.
     #[serde(default = "default::climb_angle_min_deg")]
     pub climb_angle_min_deg: f64,
     /// The strongest current, m/s.
     pub current_max_mps: f64,
-    /// The shallowest water depth inside the fence, metres; without it only bottom lock tells.
+    /// The shallowest water depth inside the fence, metres. Without it only bottom lock shows the water depth.
     #[serde(default)]
     pub water_depth_min_m: Option<f64>,
-    /// The greatest water depth inside the fence, metres; without it only bottom lock tells.
+    /// The greatest water depth inside the fence, metres. Without it only bottom lock shows the water depth.
     #[serde(default)]
     pub water_depth_max_m: Option<f64>,
-    /// The steepest seabed, metres per metre: how far a bottom lock tells of its surroundings.
+    /// The steepest seabed, metres per metre. It decides what a bottom lock shows about the water depth around it.
     #[serde(default = "default::seabed_slope_max")]
     pub seabed_slope_max: f64,
     /// Navigation older than this is stale, seconds.
@@ -77,13 +79,13 @@ pub struct Limits {
     /// How far the vehicle strays from a line that it follows, metres.
     #[serde(default = "default::tracking_error_m")]
     pub tracking_error_m: f64,
-    /// How far it strays from a depth or altitude that it holds, metres.
+    /// How far the vehicle strays from a depth or altitude that it holds, metres.
     #[serde(default = "default::vertical_error_m")]
     pub vertical_error_m: f64,
     /// The longest lead-in or lead-out that the vehicle flies before and after a trackline, metres (SPI 7.5, 5.3).
     #[serde(default = "default::lead_max_m")]
     pub lead_max_m: f64,
-    /// The longest that a modify may stand without being asked for anew, seconds.
+    /// The longest duration of one modify request, seconds. The plugin must ask again before it is over.
     #[serde(default = "default::modify_term_max_s")]
     pub modify_term_max_s: f64,
     /// How many inserts may be open at once.
@@ -95,13 +97,13 @@ pub struct Limits {
     /// How long the open inserts together may fly unattended, seconds.
     #[serde(default = "default::inserts_duration_max_s")]
     pub inserts_duration_max_s: f64,
-    /// How many requests of one plugin are taken in a second.
+    /// How many requests of one plugin the runtime takes in a second.
     #[serde(default = "default::requests_per_s")]
     pub requests_per_s: u32,
     /// How many GPS hits may be sent in the whole mission.
     #[serde(default = "default::gps_hits_total_max")]
     pub gps_hits_total_max: u32,
-    /// How long a GPS hit takes at most, from the surface mark to the next behavior, seconds.
+    /// How long a GPS hit takes at most, from surfacing to the next behavior, seconds.
     #[serde(default = "default::gps_hit_duration_max_s")]
     pub gps_hit_duration_max_s: f64,
     /// How many trim and buoyancy adjustments may be sent in the whole mission.
@@ -110,10 +112,11 @@ pub struct Limits {
     /// How often silent mode may be entered in the whole mission.
     #[serde(default = "default::silences_total_max")]
     pub silences_total_max: u32,
-    /// After how long the vehicle leaves silent mode by itself, seconds: configured in the vehicle (SPI 7.22).
+    /// After how long the vehicle leaves silent mode by itself, seconds. The vehicle's configuration sets this (SPI
+    /// 7.22).
     #[serde(default = "default::silent_term_s")]
     pub silent_term_s: f64,
-    /// How many messages may be sent to the topside in a minute: the acoustic modem passes a few.
+    /// How many messages may be sent to the topside in a minute. An acoustic modem carries only a few.
     #[serde(default = "default::topside_per_min")]
     pub topside_per_min: u32,
     /// How many acoustic packets may be sent in a minute.
@@ -122,10 +125,10 @@ pub struct Limits {
     /// Whether a modify needs the vehicle's plan (BPRMP), so that the way back to it can be checked.
     #[serde(default = "default::modify_needs_plan")]
     pub modify_needs_plan: bool,
-    /// What navigation may say from one sample to the next before it cannot be true.
+    /// What navigation may report from one sample to the next before it counts as impossible.
     #[serde(default)]
     pub integrity: IntegrityLimits,
-    /// What a hovering vehicle may do beside its mission; without it, nothing.
+    /// What plugins may ask of a hovering vehicle. Without it they may ask nothing.
     #[serde(default)]
     pub station: Option<StationLimits>,
 }
@@ -200,10 +203,10 @@ mod default {
 }
 
 impl Limits {
-    /// Every figure within what it can mean.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`LimitError`] names the first key that is not.
+    /// [`LimitError`] names the first key whose value is not.
     pub fn validate(&self) -> Result<(), LimitError> {
         let positive = [
             ("speed_min_mps", self.speed_min_mps),
@@ -265,7 +268,7 @@ impl Limits {
             return Err(LimitError {
                 key: "speed_min_mps",
                 value: self.speed_min_mps,
-                expected: "more than current_max_mps, or the vehicle could not keep its way",
+                expected: "more than current_max_mps, so that the vehicle can hold its course",
             });
         }
         if self.navigation_age_max_s > 4.0 {
@@ -299,7 +302,7 @@ impl Limits {
         seconds(self.navigation_age_max_s)
     }
 
-    /// The speed limit that a hovering vehicle has by itself, m/s.
+    /// A hovering vehicle's own speed limit, m/s; `None` without `[limits.station]`.
     pub(crate) fn speed_default_mps(&self) -> Option<f64> {
         self.station.as_ref().map(|station| station.speed_default_mps)
     }
@@ -317,7 +320,7 @@ impl Limits {
     }
 }
 
-/// Seconds of a validated limit as a duration; nonsense becomes zero, which allows nothing.
+/// A validated limit in seconds as a duration. An invalid value becomes zero, which allows nothing.
 pub(crate) fn seconds(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or(Duration::ZERO)
 }
@@ -328,9 +331,9 @@ pub(crate) fn seconds(seconds: f64) -> Duration {
 pub enum Grant {
     /// BPRMB leases.
     Modify,
-    /// BPRTK and BPRTC inserts, and the cancelling of its own.
+    /// BPRTK and BPRTC inserts, and cancelling its own.
     Insert,
-    /// Inserts that interrupt what is flown: nothing takes one back (SPI 7.8).
+    /// Inserts that interrupt what is being flown. Such an insert cannot be taken back (SPI 7.8).
     Interrupt,
     /// BPMSG lines in the vehicle's log.
     Message,
@@ -346,16 +349,16 @@ pub enum Grant {
     Trim,
     /// BPBOY.
     Buoyancy,
-    /// BPCPD packets, in the windows that the vehicle gives.
+    /// BPCPD packets, in the windows that the vehicle opens.
     Acoustic,
-    /// Leases of a hovering vehicle (BPSUS, BPCON, BPGHP, BPGBP, BPSPD, BPRES).
+    /// Station keeping of a hovering vehicle (BPSUS, BPCON, BPGHP, BPGBP, BPSPD, BPRES).
     Station,
     /// Sonar angle, camera and light of a hovering vehicle (BPSAN, BPPTZ, BPLIT).
     Devices,
 }
 
 impl Grant {
-    /// As the mission names it.
+    /// Its name in the mission.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -376,14 +379,14 @@ impl Grant {
     }
 }
 
-/// What is done with a plugin's affairs when it fails.
+/// What the runtime does when a plugin fails.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FailAction {
-    /// Its lease ends; its inserts fly.
+    /// Its lease ends. Its inserts are flown.
     #[default]
     Yield,
-    /// Its lease ends and its inserts that have not begun are cancelled, one by one by their identifiers.
+    /// Its lease ends, and its inserts that have not begun are cancelled, one by one by their identifiers.
     Cancel,
     /// As `cancel`, and the vehicle's mission is aborted (BPABT, SPI 7.16).
     Abort,
@@ -430,7 +433,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_limit_that_makes_no_sense_is_named() {
+    fn an_invalid_limit_is_named() {
         assert_eq!(limits().validate(), Ok(()));
         for (key, broken) in [
             (

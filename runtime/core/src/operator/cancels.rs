@@ -1,4 +1,4 @@
-//! Cancels beyond a plugin's own: all inserts, the current behavior, the current element (SPI 7.9 to 7.11).
+//! Cancels beyond a plugin's own inserts: all inserts, the current behavior, the current element (SPI 7.9 to 7.11).
 
 use backseat_spi::{CancelAll, CancelCurrent, CancelElement, ToVehicle};
 
@@ -16,7 +16,7 @@ use crate::session::dispatch::Dispatch;
 use crate::vehicle::plan::Element;
 
 impl Orders {
-    /// BPRCA: it may take another payload's inserts too, which is why nobody but the operator orders it.
+    /// Sends BPRCA. It may cancel another payload's inserts too, so only the operator can order it.
     pub(super) fn order_cancel_all(&mut self, cx: &mut Context) {
         let request = cx.ledger.propose_order(RequestKind::CancelAll);
         if let Err(refusal) = admit(cx) {
@@ -27,13 +27,13 @@ impl Orders {
         cx.send_request(request, &Dispatch::new("RCA", message, Purpose::CancelAll(request)));
     }
 
-    /// The vehicle's answer to BPRCA. Inserts of ours that it had accepted are cancelled, those that have begun are not. A
-    /// GPS hit stays open: BPRCN does not cover it (7.8), and 7.9 does not say whether BPRCA does. What was not answered stays
-    /// in doubt, for it may have begun, and may be what nothing may interrupt (safety requirement 010): the plan that is
-    /// asked for now, and what begins then, settle it. So does an insert that interrupts and was accepted: it begins as it is
-    /// accepted (7.5), and only its BFMBS was not heard.
+    /// Handles the vehicle's answer to BPRCA. Our inserts that the vehicle had accepted are cancelled; those that have
+    /// begun are not. A GPS hit stays open: BPRCN does not cover it (7.8), and 7.9 does not say whether BPRCA does. An
+    /// insert that was not answered stays in doubt: it may have begun, and it may be one that nothing may interrupt
+    /// (safety requirement 010). The plan, for which core asks now, and the next begin settle it. They also settle an
+    /// accepted insert that interrupts: it begins when it is accepted (7.5), so only its BFMBS was not heard.
     ///
-    /// True where it has cancelled them: what is left of the plan is then for the vehicle to say.
+    /// Returns true if the vehicle has cancelled them: core must then ask it what is left of the plan.
     pub(crate) fn cancel_all_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) -> bool {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
@@ -51,7 +51,9 @@ impl Orders {
                 for (request, insert) in accepted {
                     if insert.surfaces() {
                         cx.note(Note::Text {
-                            text: format!("GPS hit {request} may be flown yet: it is not certain that BPRCA covers it"),
+                            text: format!(
+                                "GPS hit {request} may still be flown: it is not certain that BPRCA covers it"
+                            ),
                         });
                     } else if insert.interrupt {
                         cx.transition(request, RequestState::Unknown);
@@ -65,7 +67,8 @@ impl Orders {
         false
     }
 
-    /// BPRCB, which carries no identifier and ends whatever is current: only where that is an insert of ours.
+    /// Sends BPRCB. It has no identifier and ends whatever is current, so core sends it only if that is an insert of
+    /// ours.
     pub(super) fn order_cancel_current(&mut self, cx: &mut Context) {
         let request = cx.ledger.propose_order(RequestKind::CancelCurrent);
         if let Err(refusal) = admit(cx).and_then(|()| self.judge_cancel_current(cx)) {
@@ -76,7 +79,8 @@ impl Orders {
         cx.send_request(request, &Dispatch::new("RCB", message, Purpose::Request(request)));
     }
 
-    /// Safety requirements 002 and 020: the way from here to what comes next is the order's consequence.
+    /// Safety requirements 002 and 020: the order makes the vehicle fly from here to what comes next, so core judges
+    /// that way.
     fn judge_cancel_current(&self, cx: &mut Context) -> Result<(), Refusal> {
         let Some(current) = cx.vehicle.named_insert.current() else {
             return Err(Reason::CurrentUnknown.into());
@@ -93,7 +97,7 @@ impl Orders {
         let chain = cx.outlook().chain();
         let own = cx.ledger.by_identifier(current);
         let mut to: Vec<End> = Vec::new();
-        // A GPS hit has the vehicle on its way up, or down again.
+        // During a GPS hit the vehicle is on its way up, or down again.
         let mut surfacing = cx.ledger.is_gps_hit(own);
         if let Some((_, next, _)) = chain.iter().find(|(_, _, begun)| !begun) {
             to.push(cx.monitor.envelope.ends(next).0);
@@ -102,7 +106,8 @@ impl Orders {
             to.extend(cx.vehicle.plan.next_points().into_iter().map(End::At));
             let interrupts = chain.iter().any(|(_, insert, begun)| *begun && insert.interrupt);
             if interrupts || own.is_none() {
-                // After an interruption it may go back to what it left: readings differ (SPI 7.5).
+                // After an interruption the vehicle may go back to what it left: the specification can be read both
+                // ways (SPI 7.5).
                 let left = cx.vehicle.plan.current();
                 to.extend(left.flat_map(|element: &Element| [End::At(element.first()), End::At(element.last())]));
             }
@@ -111,7 +116,7 @@ impl Orders {
             End::At(navigation.local),
             cx.outlook().passage(navigation.depth, surfacing, 0.0),
         );
-        // Or it takes up an insert that this one has interrupted.
+        // Or the vehicle takes up an insert again that this one has interrupted.
         let onto = cx.outlook().taken_up_after(false);
         for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
             cx.monitor.envelope.judge_way((here, to), &passage)?;
@@ -122,7 +127,7 @@ impl Orders {
         Ok(())
     }
 
-    /// BPRCE: what comes next is the front seat's, and what it is the operator knows.
+    /// Sends BPRCE. Core judges no way: what comes next is the front seat's own, and the operator knows what it is.
     pub(super) fn order_cancel_element(&mut self, cx: &mut Context) {
         let request = cx.ledger.propose_order(RequestKind::CancelElement);
         if let Err(refusal) = admit(cx) {

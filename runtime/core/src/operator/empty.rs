@@ -16,7 +16,7 @@ use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
 use crate::vehicle::phase::Phase;
 
-/// BFMIS says `Running` within this of the acknowledgement, or the mission has not started.
+/// If BFMIS does not say `Running` within this time after the acknowledgement, the mission has not started.
 const RUNS_WITHIN: Duration = Duration::from_secs(30);
 
 /// The empty mission that is being started.
@@ -24,7 +24,7 @@ const RUNS_WITHIN: Duration = Duration::from_secs(30);
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(super) struct EmptyMission {
     request: u64,
-    /// When it is given up; `None` while its acknowledgement is awaited.
+    /// When core gives it up; `None` while core waits for its acknowledgement.
     deadline: Option<Timestamp>,
 }
 
@@ -83,7 +83,7 @@ impl Orders {
         }
     }
 
-    /// The vehicle's answer.
+    /// Handles the vehicle's answer.
     pub(crate) fn empty_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
@@ -108,7 +108,7 @@ impl Orders {
         cx.transition(request, state);
     }
 
-    /// BFMIS says that a mission runs: before the acknowledgement or after it.
+    /// BFMIS says that a mission runs. It may come before the acknowledgement or after it.
     pub(super) fn empty_mission_runs(&mut self, cx: &mut Context) {
         if let Some(empty) = self.empty.take() {
             cx.transition(empty.request, RequestState::Started);
@@ -116,12 +116,12 @@ impl Orders {
         }
     }
 
-    /// The answer is lost, but the mission shows itself on the next connection, if it does.
+    /// The answer is lost, but on the next connection BFMIS shows whether the mission runs.
     pub(super) fn empty_mission_link_lost(&mut self, cx: &mut Context) {
         if let Some(empty) = &mut self.empty {
             let request = empty.request;
             empty.deadline.get_or_insert(cx.now + RUNS_WITHIN);
-            // An accepted one stays accepted: the ledger refuses this.
+            // If the request was accepted, it stays accepted: the ledger refuses this transition.
             cx.transition(request, RequestState::Unknown);
         }
     }

@@ -1,9 +1,10 @@
 //! The ends of a mission: abort and kill (SPI 7.16, 7.17; safety requirement 012).
 //!
-//! Neither must be lost. One that is not acknowledged within a second is sent again, five times in all. While the link is
-//! down it is kept for two minutes, and sent as the first thing that can be acknowledged on the next connection: no later,
-//! for what it was meant for is long over then. That is the one exception to sending nothing twice after a reconnect: to end
-//! what has ended does nothing. A BFMIS that shows the mission's end settles it too.
+//! Neither may be lost. If one is not acknowledged within a second, core sends it again, five times in all. While the
+//! link is down, core keeps it for two minutes, and sends it on the next connection right after the subscriptions and
+//! the request for the plan. After two minutes its reason is long past, so core drops it. This is the one exception to
+//! the rule that nothing is sent twice after a reconnection: it does nothing to end a mission that has ended. A BFMIS
+//! that shows the end of the mission settles it too.
 
 use std::time::Duration;
 
@@ -24,14 +25,14 @@ use crate::session::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::session::name;
 use crate::vehicle::phase::Phase;
 
-/// How often one is sent on a connection while it is not acknowledged.
+/// How many times one is sent on a connection while it is not acknowledged.
 const SENT_MAX: u32 = 5;
-/// How long one waits for the link to come back.
+/// How long one is kept until the link comes back.
 const KEPT_FOR: Duration = Duration::from_secs(120);
-/// What a vehicle's log and a topside's line hold of a text.
+/// How many characters of a text fit into a vehicle's log and a topside's line.
 const TEXT_MAX: usize = 200;
 
-/// An abort or kill that is not at its end.
+/// An abort or kill that has not ended.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Ending {
@@ -39,9 +40,10 @@ pub(crate) struct Ending {
     kind: RequestKind,
     text: Text,
     reason: AbortReason,
-    /// How often it was sent on this connection.
+    /// How many times it was sent on this connection.
     sent: u32,
-    /// A kill has been ordered after this abort: it is not sent again, or it would move a vehicle that was to drift.
+    /// A kill has been ordered after this abort. The abort is not sent again, because it would move a vehicle that
+    /// should drift.
     superseded: bool,
     until: Timestamp,
 }
@@ -83,8 +85,8 @@ impl Orders {
             }
         }
         cx.control.mission_ended = true;
-        // A character that may not be sent must not keep an abort from being sent. In lower case: there are vehicles that
-        // take a sentence for the one whose name its text contains.
+        // A character that may not be sent must not prevent an abort. In lower case, because some vehicles take a
+        // sentence for another one if its text contains that one's name.
         let text: String = text.to_lowercase().chars().take(TEXT_MAX).collect();
         self.endings.push(Ending {
             request,
@@ -113,7 +115,7 @@ impl Orders {
             return;
         };
         let (text, reason, kill) = (ending.text.clone(), ending.reason, ending.is_kill());
-        // Nothing that steers stands when it leaves.
+        // No lease is active when it is sent.
         capabilities.end_leases(cx, EndCause::OperatorEndsMission);
         let letters = if kill { "KIL" } else { "ABT" };
         let created = cx.stamper.stamp(cx.now, letters);
@@ -142,7 +144,7 @@ impl Orders {
         cx.transition(request, RequestState::Sent);
     }
 
-    /// The vehicle's answer to an abort or kill.
+    /// Handles the vehicle's answer to an abort or kill.
     pub(crate) fn ending_answered(
         &mut self,
         cx: &mut Context,
@@ -204,7 +206,7 @@ impl Orders {
         for ending in &mut self.endings {
             ending.sent = 0;
         }
-        // The wake-up that would have given them up may be late.
+        // The timer at which core would have given them up may be late.
         self.endings_expired(cx);
         let kept: Vec<(u64, bool)> = self
             .endings
@@ -220,7 +222,7 @@ impl Orders {
         }
     }
 
-    /// Those that have waited for the link for too long.
+    /// Ends those that have waited too long for the link.
     pub(super) fn endings_expired(&mut self, cx: &mut Context) {
         let late: Vec<u64> = self
             .endings
@@ -239,7 +241,8 @@ impl Orders {
         }
     }
 
-    /// A mission that ends has been ended; one that wraps up moves yet, and a kill is not done with.
+    /// A mission that is over settles abort and kill. One that is ending settles an abort only: the vehicle still
+    /// moves, so a kill is not done.
     pub(super) fn endings_mission_status(&mut self, cx: &mut Context, status: &str, phase: Phase) {
         let done: Vec<u64> = self
             .endings

@@ -1,7 +1,7 @@
-//! The mission's policies: orders that the operator gives in advance, by what happens.
+//! The mission's policies: orders that the operator gives in advance, each for a condition.
 //!
-//! A condition acts when it comes to be, not while it lasts: navigation's staleness once from one fresh sample to the next.
-//! Several that come to be at once act in the order of the file.
+//! A policy acts when its condition becomes true, not while it stays true: for stale navigation, once between two fresh
+//! samples. Policies whose conditions become true at once act in the order of the file.
 
 use std::time::Duration;
 
@@ -19,16 +19,17 @@ use crate::timer::Timer;
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(super) struct Stale {
     since: Timestamp,
-    /// Policies that were due by then have acted.
+    /// Policies that were due by this time have acted.
     acted: Option<Timestamp>,
 }
 
 impl Stale {
-    /// When a condition is fulfilled by the time alone that this lasts.
+    /// When a condition becomes true that depends only on how long this lasts; `None` if it is another condition, or
+    /// its policy has acted.
     fn due(self, when: &Condition) -> Option<Timestamp> {
         match when {
             Condition::NavigationStaleForS(seconds) => {
-                // A figure that is no time is never reached; the mission's reader refuses it.
+                // A figure that is not a duration is never reached; the mission's reader refuses it.
                 let after = Duration::try_from_secs_f64(*seconds).ok()?;
                 let at = self.since + after;
                 self.acted.is_none_or(|acted| at > acted).then_some(at)
@@ -61,7 +62,7 @@ impl Orders {
         }
     }
 
-    /// Follows navigation's staleness for the policies that hang on it.
+    /// Follows the staleness of navigation for the policies that depend on it.
     pub(crate) fn watch_staleness(&mut self, cx: &mut Context) {
         let fresh = cx.vehicle.navigation.fresh(cx.now).is_some();
         if fresh || !self.connected {
@@ -75,7 +76,7 @@ impl Orders {
         cx.timers.set_or_stop(Timer::Policy, first);
     }
 
-    /// A condition that must last may have lasted for long enough.
+    /// A condition may have lasted as long as its policy demands.
     pub(crate) fn policies_due(&mut self, cx: &mut Context, capabilities: &mut Capabilities) {
         let Some(stale) = self.stale else { return };
         if cx.vehicle.navigation.fresh(cx.now).is_some() {

@@ -2,11 +2,11 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 
-/// How many lines are told of a source in a second; as many more may come at once.
+/// How many lines about one source are logged in a second; twice as many may come at once.
 const LINES_PER_S: u32 = 20;
 
-/// Lines that are told of one source: so many a second, and the rest is counted (safety requirement 022). What a peer says
-/// must not fill a log, nor what a plugin is refused.
+/// Limits the log lines about one source to so many a second, and counts the rest (safety requirement 022). Neither
+/// what a peer says nor what a plugin is refused may fill the log.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct LineBudget {
@@ -32,7 +32,7 @@ impl LineBudget {
         }
     }
 
-    /// Whether one more line is told now; else it is counted.
+    /// Whether one more line is logged now; otherwise it is counted.
     pub(crate) fn take(&mut self, now: Timestamp) -> bool {
         let seconds = now.since(self.refilled).as_secs();
         if seconds > 0 {
@@ -49,7 +49,7 @@ impl LineBudget {
         told
     }
 
-    /// How many lines were counted and not told since this was last asked.
+    /// How many lines were only counted since the last call.
     pub(crate) fn take_dropped(&mut self) -> u64 {
         core::mem::take(&mut self.untold)
     }
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_flood_is_told_of_in_part_and_counted_whole() {
+    fn a_flood_is_logged_in_part_and_the_rest_is_counted() {
         let mut budget = LineBudget::default();
         let mut told = 0;
         for millis in 0..10_000 {
@@ -70,6 +70,6 @@ mod tests {
         assert_eq!(budget.take_dropped(), 10_000 - told);
         assert_eq!(budget.take_dropped(), 0);
         let slow = (0..100).all(|second| budget.take(Timestamp::from_secs(20 + second)));
-        assert!(slow, "what comes once a second is told");
+        assert!(slow, "a line a second is always logged");
     }
 }

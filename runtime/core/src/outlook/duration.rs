@@ -1,8 +1,8 @@
-//! When things are flown: what the zones that are valid for a time are judged by (safety requirement 002).
+//! When requests are flown. Zones that are valid for a limited time are judged by these times (safety requirement 002).
 //!
-//! An insert flies when the vehicle comes to it. Its judgement covers the time from the asking to the latest end that can be
-//! told. What delays it beyond that, a lease under which the planned leg grows longer, an insert that interrupts, is met by
-//! who watches the schedules.
+//! The vehicle flies an insert when it comes to it. The judgement of an insert covers the time from its request to the
+//! latest end that core can compute. A lease under which the planned leg takes longer, or an insert that interrupts,
+//! can delay it beyond that. `Inserts::watch_schedules` and [`Outlook::admit_delay`] handle these cases.
 
 use backseat_fence::Span;
 use backseat_units::Timestamp;
@@ -14,12 +14,13 @@ use crate::monitor::envelope::{APART_MAX, Insert, Route};
 use crate::monitor::limits::seconds;
 use crate::plugin::{Refusal, RequestState};
 
-/// An insert is taken up so long after it was asked for at the latest, where nothing is flown before it: its way there,
-/// the vehicle's pending answer (SPI 7.5), and the change of the behavior.
+/// The longest time from the request for an insert until the vehicle takes it up, if nothing is flown before it. It
+/// covers the message's way to the vehicle, the pending acknowledgement (SPI 7.5), and the change of behavior.
 const TAKEN_UP_S: f64 = 10.0;
 
 impl Outlook<'_> {
-    /// How long what may be flown before a new insert takes at most, seconds; infinite where nobody can say.
+    /// The longest time that the vehicle may fly something else before a new insert, seconds; infinite if core cannot
+    /// compute it.
     pub(crate) fn before_insert_s(&self, interrupt: bool) -> f64 {
         if interrupt {
             return TAKEN_UP_S;
@@ -27,7 +28,8 @@ impl Outlook<'_> {
         self.current_s() + self.others_s() + self.ledger.open_duration_s() + TAKEN_UP_S
     }
 
-    /// How long the insert that is flown goes on at most, seconds; 0 where the vehicle flies its plan.
+    /// The longest time for which the vehicle still flies inserts that have begun, or that are not ours, seconds; 0 if
+    /// there are none.
     pub(crate) fn flown_insert_s(&self) -> f64 {
         let flown = self
             .ledger
@@ -37,14 +39,14 @@ impl Outlook<'_> {
         flown.fold(others_s, |all, (_, entry)| all + entry.duration_s)
     }
 
-    /// How long the planned behavior that is flown goes on at most, seconds. Only that of a line can be told: what
-    /// else the vehicle does at a place, or how often it goes round, no sentence says (SPI 6.20).
+    /// The longest time for which the planned behavior that is flown goes on, seconds. Core can compute it for lines
+    /// only: no sentence says what else the vehicle does at a place, or how often it goes round (SPI 6.20).
     pub(crate) fn current_s(&self) -> f64 {
         let Some(navigation) = self.vehicle.navigation.newest() else {
             return f64::INFINITY;
         };
         let slowest_mps = self.monitor.envelope.slowest_mps();
-        // One that makes less way than it must waits for something.
+        // A vehicle that is slower than its least speed waits for something.
         let over_ground_mps = hypot(navigation.east_mps, navigation.north_mps);
         if over_ground_mps.is_nan() || over_ground_mps < slowest_mps {
             return f64::INFINITY;
@@ -59,7 +61,7 @@ impl Outlook<'_> {
         longest_m.map_or(f64::INFINITY, |length_m| length_m / slowest_mps)
     }
 
-    /// How long the inserts take that are not ours.
+    /// How long the inserts take that are not ours, seconds.
     pub(crate) fn others_s(&self) -> f64 {
         let mut at = self.vehicle.navigation.newest().map(|navigation| navigation.local);
         let others = self.others();
@@ -72,8 +74,8 @@ impl Outlook<'_> {
         all_m / self.monitor.envelope.slowest_mps()
     }
 
-    /// The time that an insert about to be sent was judged by; `None` where it was judged at the worst, or no zone ever
-    /// changes.
+    /// The times by which an insert that is about to be sent was judged. `None` if these are not known, so that the
+    /// worst case was judged, or if no zone ever changes.
     pub(crate) fn schedule(&self, insert: &Insert, route: &Route) -> Option<Schedule> {
         let lasts_s = self.monitor.envelope.lasts_s(insert, route);
         let known = self.clocks().next(route.before_s + lasts_s).is_some();
@@ -88,7 +90,8 @@ impl Outlook<'_> {
         })
     }
 
-    /// What interrupts an insert of ours delays it, and the vehicle may come back to it (SPI 7.5).
+    /// Refuses an insert that interrupts one of ours, if a zone changes in the time by which that one is delayed: the
+    /// vehicle may come back to it (SPI 7.5).
     pub(crate) fn admit_delay(&self, insert: &Insert, route: &Route) -> Result<(), Refusal> {
         if !insert.interrupt {
             return Ok(());

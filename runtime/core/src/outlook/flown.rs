@@ -1,4 +1,4 @@
-//! What is flown, and whether that is known.
+//! What the vehicle flies, and whether core knows it.
 
 use std::collections::BTreeSet;
 
@@ -14,7 +14,7 @@ use crate::vehicle::course::{Begin, Flown};
 use crate::vehicle::plan::Element;
 
 impl Outlook<'_> {
-    /// Where the vehicle is, and how far it may have gone since it was there.
+    /// Where the vehicle was at the newest navigation, and how far it may have gone since.
     pub(crate) fn begins_here(&self) -> Option<Begin> {
         let navigation = self.vehicle.navigation.newest()?;
         let limits = self.monitor.limits();
@@ -25,11 +25,13 @@ impl Outlook<'_> {
         })
     }
 
-    /// Whether it is known what the vehicle flies and goes on to, so that a modify's ways back can be judged: a
-    /// behavior of its plan or an insert of this process, which was heard to begin or was seen by its lines.
+    /// Whether core knows what the vehicle flies and what it goes on to. Core needs this to judge a modify's ways back.
+    /// The vehicle must fly a behavior of its plan or an insert of this process, and core must have heard it begin or
+    /// have seen the vehicle on its line.
     pub(crate) fn knows_what_is_flown(&self) -> Result<(), Refusal> {
         let known = match self.vehicle.courses.current() {
-            // Who needs no plan is judged without it, but for what a previous run has led the vehicle away from.
+            // With `modify_needs_plan = false`, core does without the plan, unless there was a previous run: that run
+            // may have led the vehicle away from a line.
             None => {
                 self.is_placed() || (!self.monitor.limits().modify_needs_plan && self.vehicle.previous_run.is_none())
             }
@@ -48,7 +50,7 @@ impl Outlook<'_> {
         self.knows_what_is_taken_up(false)
     }
 
-    /// Whether it was seen what the vehicle flies, where nobody heard it.
+    /// Whether core has seen on which lines the vehicle may be, and knows what they belong to.
     pub(crate) fn is_placed(&self) -> bool {
         let placed = self.vehicle.courses.placed();
         let known = |flown: &Flown| match flown {
@@ -58,7 +60,7 @@ impl Outlook<'_> {
         !placed.is_empty() && placed.iter().all(known)
     }
 
-    /// Whether it was heard what the vehicle flies, so that an insert's way to it can be judged.
+    /// Whether core has heard what the vehicle flies. Core needs this to judge the way to an insert.
     pub(crate) fn heard_what_is_flown(&self, interrupts: bool) -> Result<(), Refusal> {
         if self.vehicle.courses.current().is_none() {
             return Err(Reason::BeginUnheard.into());
@@ -66,7 +68,7 @@ impl Outlook<'_> {
         self.knows_what_is_taken_up(interrupts)
     }
 
-    /// Whether it is known where the planned behavior began that the vehicle may take up again.
+    /// Whether core knows where the planned behavior began that the vehicle may take up again.
     pub(crate) fn knows_what_is_taken_up(&self, interrupts: bool) -> Result<(), Refusal> {
         if self.takes_up_plan(interrupts) && self.vehicle.courses.lacks_plan() {
             return Err(Reason::TakenUpUnheard.into());
@@ -74,7 +76,8 @@ impl Outlook<'_> {
         Ok(())
     }
 
-    /// The lines of the plan and of our open tracklines, and whose they are; none where the vehicle may fly anything else.
+    /// The lines of the plan and of our open tracklines, and what each belongs to. Empty if the vehicle may fly
+    /// anything else.
     pub(crate) fn lines_that_may_be_flown(&self) -> Vec<(Flown, (EastNorth, EastNorth))> {
         let mut others = self.others();
         if !self.vehicle.plan.is_complete() || others.next().is_some() {
@@ -95,8 +98,8 @@ impl Outlook<'_> {
         planned.chain(ours).collect()
     }
 
-    /// The line of a behavior that is one line, or the first of several, as it was given: the way to it may lead along
-    /// any other.
+    /// The line of a behavior, or the first of several, without leads. The others do not count, because the way to the
+    /// first may lead along any of them.
     pub(crate) fn first_line_of(&self, flown: Flown) -> Option<(EastNorth, EastNorth)> {
         match flown {
             Flown::Planned(_) => self.vehicle.plan.flown().flat_map(Element::legs).next(),
@@ -112,13 +115,13 @@ impl Outlook<'_> {
         interrupts || self.ledger.interrupts() || self.previous_run_may_fly() || self.vehicle.courses.has_left_plan()
     }
 
-    /// How many inserts of the plan a previous run has left: they count under the cap (safety requirements
-    /// 007 and 019).
+    /// How many inserts of previous runs are left in the plan: they count towards the cap (safety requirements 007 and
+    /// 019).
     pub(crate) fn inherited(&self) -> u32 {
         if !is_on(Check::InheritedInserts) {
             return 0;
         }
-        // One of this process that was held to be over counts where the plan names it all the same.
+        // An insert of this process that core believed to be over counts if the plan still names it.
         let others = self
             .vehicle
             .plan
@@ -127,7 +130,7 @@ impl Outlook<'_> {
             .map(|(identifier, _)| identifier)
             .filter(|identifier| self.identifiers.is_used(*identifier))
             .collect();
-        // One that has begun is flown, though the plan that came did not name it.
+        // An insert that has begun is flown, even if the plan does not name it.
         let current = self.vehicle.named_insert.may_be_current();
         inherited.extend(current.filter(|identifier| self.vehicle.previous_run.includes(*identifier)));
         u32::try_from(inherited.len())
@@ -135,7 +138,7 @@ impl Outlook<'_> {
             .saturating_add(u32::from(self.vehicle.previous_run.is_still_flown_after_end()))
     }
 
-    /// Whether the vehicle may yet fly an insert of a previous run, or flies one that was held to be over.
+    /// Whether the vehicle may still fly an insert of a previous run, or flies one that core believed to be over.
     pub(crate) fn previous_run_may_fly(&self) -> bool {
         let vehicle = self.vehicle;
         vehicle
@@ -143,9 +146,10 @@ impl Outlook<'_> {
             .may_fly(vehicle.named_insert.current(), &vehicle.plan)
     }
 
-    /// Whether the vehicle may be on its way to the surface by a GPS hit that was held to be over, or that a previous
-    /// run has sent: BFPLN does not tell one from a waypoint (SPI 6.20), BFMBS gives it a name that the specification
-    /// does not say (6.9), and what had begun before nobody says.
+    /// Whether the vehicle may be on its way to the surface for a GPS hit that core believed to be over, or that a
+    /// previous run has sent. Core cannot see this: BFPLN does not distinguish a GPS hit from a waypoint (SPI 6.20),
+    /// the specification does not say which name BFMBS gives it (6.9), and nothing reports what began before we
+    /// connected.
     pub(crate) fn previous_run_may_surface(&self) -> bool {
         let doubtful = |entry: &Entry| entry.insert.is_some_and(|insert| insert.surfaces());
         self.vehicle
@@ -153,14 +157,14 @@ impl Outlook<'_> {
             .may_surface(self.ledger.doubtful().any(doubtful))
     }
 
-    /// Safety requirement 002: a vehicle that is led away from a GPS hit comes up wherever it is then.
+    /// Safety requirement 002: a vehicle that a request leads away from a GPS hit surfaces wherever it is then.
     pub(crate) fn admit_beside_gps_hit(&self) -> Result<(), Refusal> {
         let begun = |entry: &Entry| entry.state == RequestState::Started;
         let flown = self
             .ledger
             .iter()
             .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
-        // Where it was not heard what is flown, one that waited may be.
+        // If core has not heard what is flown, it may be a GPS hit that waited.
         let unheard = self.vehicle.courses.current().is_none() && self.ledger.surfaces();
         if (flown || unheard || self.previous_run_may_surface()) && is_on(Check::Surfacing) {
             return Err(Reason::GpsHitFlown.into());

@@ -1,4 +1,4 @@
-//! Ways that are not asked for but follow: to and from an insert that waits, and past one that is taken back.
+//! Ways that nobody requests but that follow from a request: to and from a waiting insert, and past a cancelled one.
 
 use super::Outlook;
 use crate::monitor::envelope::{End, Insert};
@@ -8,7 +8,7 @@ use crate::refusal::Reason;
 
 impl Outlook<'_> {
     pub(crate) fn judge_way_to(&self, before: &[(u64, Insert, bool)], insert: &Insert) -> Result<(), Refusal> {
-        // Where nothing was ever heard, nothing was ever inserted.
+        // If no navigation has ever come, no insert was ever sent.
         let Some(navigation) = self.vehicle.navigation.newest() else {
             return Ok(());
         };
@@ -22,7 +22,7 @@ impl Outlook<'_> {
         Ok(())
     }
 
-    /// The way on from the last of our inserts: what it goes on to may be another element by now.
+    /// Judges the way on from the last of our inserts: the element that comes next may be another one by now.
     pub(crate) fn judge_way_on(&self, insert: &Insert) -> Result<(), Refusal> {
         let Some(navigation) = self.vehicle.navigation.newest() else {
             return Ok(());
@@ -38,8 +38,9 @@ impl Outlook<'_> {
         Ok(())
     }
 
-    /// The ways on from inserts that wait, onto what one that interrupts would leave: the vehicle may fly them before it
-    /// takes that up again (SPI 7.5), and when they were asked for nothing was to be taken up.
+    /// Judges the ways on from waiting inserts back onto what a new insert would interrupt. The vehicle may fly the
+    /// waiting inserts before it takes that up again (SPI 7.5), and when they were requested there was nothing to take
+    /// up.
     pub(crate) fn judge_ways_back(&self, interrupts_for_s: f64) -> Result<(), Refusal> {
         let Some(navigation) = self.vehicle.navigation.newest() else {
             return Ok(());
@@ -67,21 +68,21 @@ impl Outlook<'_> {
         Ok(())
     }
 
-    /// Safety requirements 002 and 020: the way that the vehicle takes without one of the inserts of a chain, from what was
-    /// before it to what comes after it.
+    /// Safety requirements 002 and 020: judges the way that the vehicle takes when one insert of a chain is cancelled,
+    /// from what comes before that insert to what comes after it.
     pub(crate) fn judge_cancel(&self, chain: &[(u64, Insert, bool)], insert: u64) -> Result<(), Refusal> {
         let Some(at) = chain.iter().position(|(request, _, _)| *request == insert) else {
             return Ok(());
         };
         if chain.len() <= 1 || !is_on(Check::CancelWay) {
-            // What remains is the plan's own.
+            // What remains is the way of the plan itself.
             return Ok(());
         }
         let Some(navigation) = self.vehicle.navigation.fresh(self.now) else {
             return Err(Reason::NavigationIsStale.into());
         };
         let before = at.checked_sub(1).and_then(|before| chain.get(before));
-        // What interrupts comes before all that waits.
+        // An insert that interrupts comes before all waiting ones.
         let waits = |(_, next, begun): &&(u64, Insert, bool)| !begun && !next.interrupt;
         let after = chain.iter().skip(at + 1).find(waits);
         let surfacing = [before, after]

@@ -1,4 +1,4 @@
-//! Where the vehicle comes from and goes on to, around a request.
+//! Where the vehicle comes from before a request, and where it goes on to after it.
 
 use backseat_units::Depth;
 
@@ -12,7 +12,7 @@ use crate::vehicle::plan::Element;
 const ALL_DEPTHS_M: [f64; 2] = [-100.0, 12_000.0];
 
 impl Outlook<'_> {
-    /// Where a lapsed modify leads back to: the leg that is flown, and what comes after it.
+    /// Where the vehicle goes when a modify lapses: back to the leg that it flies, or on to what comes after it.
     pub(crate) fn route_of_modify(&self) -> Route {
         let mut route = Route {
             to: self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
@@ -21,7 +21,8 @@ impl Outlook<'_> {
             seen_mps: self.vehicle.courses.seen_mps(),
             ..Route::default()
         };
-        // On the way to where its path begins it comes back to that way. What was seen by its lines is on them.
+        // A vehicle that is on its way to the start of its path comes back to that way. A vehicle that core has seen on
+        // its line has no such way before it.
         let begun = match self.vehicle.courses.current() {
             Some(_) => self.vehicle.courses.of_current(),
             None => Vec::new(),
@@ -42,7 +43,7 @@ impl Outlook<'_> {
                 route.to.push(self.monitor.envelope.ends(&insert).0);
             }
         }
-        // What the vehicle has not answered for, and what is not ours, may come next.
+        // Inserts that the vehicle has not answered, and inserts that are not ours, may come next.
         let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
         route
             .to
@@ -50,7 +51,8 @@ impl Outlook<'_> {
         let others = self.others();
         route.to.extend(others.map(|(_, element)| End::At(element.first())));
         route.to.extend(self.returns_to().map(End::At));
-        // The vehicle may end an insert that it is led away from (SPI 7.12), and take up what that has interrupted.
+        // The vehicle may end an insert from which the modify leads it away (SPI 7.12), and take up again what that
+        // insert has interrupted.
         route.legs.extend(self.taken_up_after(false));
         if !flying {
             let lines: Vec<_> = self.vehicle.plan.current().flat_map(Element::legs).collect();
@@ -65,7 +67,7 @@ impl Outlook<'_> {
         route
     }
 
-    /// Where the vehicle will be when an insert begins, and what it may go on to after it.
+    /// Where the vehicle may be when an insert begins, and what it may go on to after it.
     pub(crate) fn route_of_insert(&self, interrupt: bool) -> Route {
         let chain = self.chain();
         let mut route = Route {
@@ -83,7 +85,8 @@ impl Outlook<'_> {
             .map(|navigation| End::At(navigation.local));
         if interrupt {
             route.from.extend(here);
-            // After an interruption the vehicle goes on to the next behavior, or back: readings differ (SPI 7.5).
+            // After an interruption the vehicle goes on to the next behavior, or back to the interrupted one: the
+            // specification can be read both ways (SPI 7.5).
             route.to.extend(
                 self.vehicle
                     .plan
@@ -94,7 +97,7 @@ impl Outlook<'_> {
                 .to
                 .extend(chain.iter().map(|(_, insert, _)| self.monitor.envelope.ends(insert).0));
             route.to_surface = chain.iter().any(|(_, insert, _)| insert.surfaces());
-            // The rest of the set is flown before the plan goes on (7.5), whoever has asked for it.
+            // The other inserts are flown before the plan goes on (7.5), whoever has requested them.
             for doubtful in self.ledger.doubtful().filter_map(|entry| entry.insert) {
                 route.to.push(self.monitor.envelope.ends(&doubtful).0);
                 route.to_surface |= doubtful.surfaces();
@@ -103,7 +106,7 @@ impl Outlook<'_> {
             route.to.extend(others.map(|(_, element)| End::At(element.first())));
             return route;
         }
-        // One that was not answered may be flown before this one all the same.
+        // An insert that was not answered may still be flown before this one.
         let doubtful: Vec<Insert> = self.ledger.doubtful().filter_map(|entry| entry.insert).collect();
         let mut before = doubtful.iter().chain(chain.iter().map(|(_, insert, _)| insert));
         route.from_surface = before.any(Insert::surfaces);
@@ -115,14 +118,15 @@ impl Outlook<'_> {
         route
     }
 
-    /// Where the vehicle may be when it goes on to what comes after these inserts, which are in the order that they are
-    /// flown: at the end of the last that it surely flies, or of one after that. Where none is sure, anywhere on what it
-    /// flies of its plan, or between that and where it comes back from: where it is now, or the end of what interrupts it.
+    /// Where the vehicle may be when it goes on to what comes after these inserts, which are in the order in which they
+    /// are flown. It is at the end of the last insert that it surely flies, or of one after that. If none is sure, it
+    /// may also be anywhere on the element of its plan that it flies, or between that element and the place from which
+    /// it comes back to it: where it is now, or the end of the insert that interrupts the element.
     pub(crate) fn comes_from(&self, before: &[(u64, Insert, bool)]) -> Vec<End> {
         let mut from = Vec::new();
         for (request, insert, begun) in before.iter().rev() {
             from.push(self.monitor.envelope.ends(insert).1);
-            // After one that interrupts it may take up again what it left.
+            // After an insert that interrupts, the vehicle may take up again what it left.
             if !insert.interrupt
                 && self.vehicle.courses.current().is_some()
                 && (*begun || self.is_surely_flown(*request))
@@ -143,7 +147,8 @@ impl Outlook<'_> {
         let begun = self.vehicle.courses.of_current();
         let tracks = self.tracks_of_lines(&begun, &lines);
         from.extend(tracks.iter().map(|track| End::on_or_beside(track, aside)));
-        // Inserts that are not ours come before it too (SPI 7.5: appended at the end of the set).
+        // Inserts that are not ours come before the next one too (SPI 7.5: a new one is appended at the end of the
+        // set).
         let others = self.others();
         from.extend(others.map(|(_, element)| End::At(element.last())));
         if from.is_empty() {
@@ -152,14 +157,15 @@ impl Outlook<'_> {
         from
     }
 
-    /// The depths on the ways to what the vehicle flies before or after a request, from and to, metres. Those of our own
-    /// inserts are known. What the front seat flies at no sentence says: it is taken for what the vehicle has settled at in
-    /// this mission, once it has settled on what is flown now, and for all depths before.
+    /// The least and the greatest depth on the ways to what the vehicle flies before or after a request, metres. Core
+    /// knows the depths of our own inserts. No sentence says at which depth the front seat flies. Core assumes the
+    /// depths at which the vehicle has settled in this mission, once it has settled on what it flies now, and all
+    /// depths before that.
     pub(crate) fn depths_of_ways(&self) -> Option<[f64; 2]> {
         let Some([from_m, to_m]) = self.vehicle.courses.settled_depths_m() else {
             return Some(ALL_DEPTHS_M);
         };
-        // At what an insert is flown that is not ours no sentence says (6.20).
+        // No sentence says at which depth an insert is flown that is not ours (6.20).
         let mut others = self.others();
         if others.next().is_some() {
             return Some(ALL_DEPTHS_M);
@@ -177,7 +183,7 @@ impl Outlook<'_> {
         Some([from_m - error_m, to_m + error_m])
     }
 
-    /// The greatest depth that an open insert leads to, metres, or one that was not answered.
+    /// The greatest depth to which an insert leads that is open or was not answered, metres.
     pub(crate) fn deepest_open_m(&self) -> f64 {
         let chain = self.chain();
         let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
@@ -187,12 +193,12 @@ impl Outlook<'_> {
             let lock = self.vehicle.navigation.bottom_lock(self.now);
             self.monitor.envelope.deepest_m(&insert, navigation.depth, lock)
         };
-        // Where one cannot be known, nothing that depends on it holds.
+        // If one depth cannot be known, it counts as infinite, and every judgement that depends on it fails.
         open.map(|insert| depth_m(insert).unwrap_or(f64::INFINITY))
             .fold(0.0, f64::max)
     }
 
-    /// How a way is flown from this depth that begins after so many seconds at the latest.
+    /// How a way is flown that starts at this depth, and begins after `before_s` seconds at the latest.
     pub(crate) fn passage(&self, depth: Depth, surfacing: bool, before_s: f64) -> Passage {
         Passage {
             depth,

@@ -9,11 +9,12 @@ use crate::plugin::RequestState;
 use crate::vehicle::course::{Begin, Flown};
 use crate::vehicle::plan::Element;
 
-/// Places that are nearer to each other count as one, metres.
+/// Places that are closer to each other than this count as one, metres.
 const SAME_M: f64 = 1.0;
 
 impl Outlook<'_> {
-    /// What the vehicle may be on where it flies an insert, from where that may have begun on.
+    /// The lines on which the vehicle may be while it flies an insert, with the ways from the places where the insert
+    /// may have begun.
     pub(crate) fn tracks_of_insert(&self, insert: &Insert, begun: &[Begin]) -> Vec<Track> {
         let approach = |begin: &Begin| self.approach(begin, self.monitor.envelope.path_begins(insert, begin.at));
         let lines = self.monitor.envelope.legs(insert).into_iter();
@@ -21,7 +22,7 @@ impl Outlook<'_> {
         begun.iter().filter_map(approach).chain(lines).collect()
     }
 
-    /// Lines, and the ways to where each begins.
+    /// These lines, and the ways to the start of each.
     pub(crate) fn tracks_of_lines(&self, begun: &[Begin], lines: &[(EastNorth, EastNorth)]) -> Vec<Track> {
         let mut starts: Vec<EastNorth> = Vec::new();
         for (start, _) in lines {
@@ -29,7 +30,7 @@ impl Outlook<'_> {
                 starts.push(*start);
             }
         }
-        // Places that are one for every purpose: what is judged is far wider.
+        // Places this close to each other make no difference: the judged shapes are far wider.
         let mut places: Vec<Begin> = Vec::new();
         for begin in begun {
             match places.iter_mut().find(|known| known.at.distance_m(begin.at) < SAME_M) {
@@ -45,7 +46,8 @@ impl Outlook<'_> {
         tracks
     }
 
-    /// The way from a begin to where the path begins; none from as near as the vehicle tracks, which is there.
+    /// The way from where a behavior began to where its path begins. `None` if that is within the tracking error: the
+    /// vehicle is already there.
     pub(crate) fn approach(&self, begin: &Begin, to: [EastNorth; 2]) -> Option<Track> {
         let there_m = self.monitor.limits().tracking_error_m;
         let there = to.iter().all(|to| begin.at.distance_m(*to) <= there_m);
@@ -57,8 +59,8 @@ impl Outlook<'_> {
         (!there).then_some(Track::Approach(approach))
     }
 
-    /// What the vehicle may take up again after an insert, lines and the ways to them: what is interrupted already,
-    /// and where the insert interrupts, what is flown now (SPI 7.5; vehicles differ).
+    /// What the vehicle may take up again after an insert, as lines and the ways to them: what is interrupted already,
+    /// and, if the insert interrupts, what is flown now (SPI 7.5; vehicles differ).
     pub(crate) fn taken_up_after(&self, interrupts: bool) -> Vec<Track> {
         let mut tracks = Vec::new();
         if self.takes_up_plan(interrupts) {
@@ -77,7 +79,7 @@ impl Outlook<'_> {
         tracks
     }
 
-    /// Where the vehicle may return to before its mission goes on.
+    /// The place to which the vehicle may return before its suspended mission goes on.
     pub(crate) fn returns_to(&self) -> impl Iterator<Item = EastNorth> + '_ {
         self.vehicle.suspended.iter().filter_map(|suspended| suspended.local)
     }

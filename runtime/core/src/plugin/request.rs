@@ -51,7 +51,7 @@ pub enum Request {
     Topside(TopsideRequest),
     /// The payload's side of the DVL triggering handshake (BPDVR, SPI 7.4).
     DvlTrigger(DvlTriggerRequest),
-    /// Quiet the vehicle, or let it be heard again (BPSIL, SPI 7.22).
+    /// Begin or end silent mode (BPSIL, SPI 7.22).
     Silent(SilentRequest),
     /// Trim the vehicle; the tag (BPTRM, SPI 7.23).
     Trim(u64),
@@ -70,7 +70,7 @@ pub enum Request {
     Camera(CameraRequest),
     /// Switch the light (BPLIT, SPI 8.11).
     Light(LightRequest),
-    /// Wake this plugin with [`Event::Timer`].
+    /// Wake this plugin with [`Event::Timer`](super::Event::Timer).
     Timer {
         /// Comes back in the event.
         id: u64,
@@ -90,7 +90,7 @@ pub struct ModifyRequest {
     pub vertical: VerticalRequest,
     /// Through the water, m/s.
     pub speed_mps: f64,
-    /// How long it stands unless it is replaced.
+    /// How long it lasts unless it is replaced.
     pub duration: Duration,
 }
 
@@ -132,7 +132,8 @@ pub struct TrackcircleRequest {
     pub interrupt: bool,
 }
 
-/// Surface at a place and take a GPS position (SPI 7.7). It goes straight up: the other modes are not offered.
+/// Surface at a place and take a GPS position (SPI 7.7). The vehicle goes straight up; the other modes of SPI are not
+/// offered.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GpsHitRequest {
     /// The plugin's name for it.
@@ -160,19 +161,20 @@ pub enum Transport {
 pub struct TopsideRequest {
     /// The plugin's name for it.
     pub tag: u64,
-    /// The slowest way that is still worth it; advisory.
+    /// The slowest transport that is still acceptable; advisory.
     pub slowest: Transport,
     /// 1 to 200 bytes of printable ASCII without comma, asterisk and dollar, and without the three letters of a command
-    /// (`RMB`, `TOP`) in upper case: some vehicles act on a name wherever it stands. What does not hold to that is
-    /// rejected as it is.
+    /// (`RMB`, `TOP`) in upper case, because some vehicles act on such a name anywhere in a line. Core rejects any
+    /// other text; it never changes one to make it fit.
     pub text: String,
 }
 
-/// What the payload wants of the DVL's trigger, and what it does.
+/// Whether the payload wants to trigger the DVL, and whether it triggers it now.
 ///
-/// A request begins with `external` alone and is one entry of the ledger until it ends; what is asked for under its tag
-/// meanwhile is a step of it. While it triggers a plugin repeats that at least every 5 s; when the vehicle wants it to
-/// stop it answers within 1 s, with neither (the end of it) or with `external` alone (again, when the vehicle allows).
+/// A request begins with `external` alone, and stays one entry of the ledger until it ends. Later requests under its
+/// tag are steps of it. While the plugin triggers the DVL, it repeats the request at least every 5 s. When the vehicle
+/// wants it to stop, the plugin answers within 1 s: with neither flag, which ends the request, or with `external`
+/// alone, to trigger again when the vehicle allows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DvlTriggerRequest {
     /// The plugin's name for it.
@@ -183,18 +185,19 @@ pub struct DvlTriggerRequest {
     pub triggering: bool,
 }
 
-/// Silent mode. An entry has started when the vehicle is silent and ends no later than the vehicle may be heard again;
-/// only the plugin that asked for it may leave it before. It outlives plugin, control and link.
+/// Silent mode. The request counts as started when the vehicle is silent, and ends at the latest when the vehicle may
+/// be heard again. Only the plugin that asked for it can end it before. It continues if the plugin fails, if control is
+/// lost and if the link is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SilentRequest {
     /// The plugin's name for it.
     pub tag: u64,
-    /// Silent, or normal again. The vehicle ends it by itself after five minutes.
+    /// True for silent mode, false to end it. The vehicle ends it by itself after five minutes.
     pub silent: bool,
 }
 
-/// A packet for the acoustic modem. It is sent only where it arrives before the end of a [`Window`](super::Window), and
-/// ends with the vehicle's report of its frames, or has timed out a minute after it was sent.
+/// A packet for the acoustic modem. Core sends it only if it arrives before the end of a [`Window`](super::Window). The
+/// request ends with the vehicle's report on its frames, or times out a minute after it was sent.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PacketRequest {
     /// The plugin's name for it.
@@ -205,7 +208,7 @@ pub struct PacketRequest {
     pub mode: i32,
     /// Whether the other modem shall acknowledge it.
     pub acknowledge: bool,
-    /// One to eight frames; how long they may be is the mode's affair.
+    /// One to eight frames; the mode limits their length.
     pub frames: Vec<Vec<u8>>,
 }
 
@@ -214,15 +217,15 @@ pub struct PacketRequest {
 pub struct StationRequest {
     /// The plugin's name for it.
     pub tag: u64,
-    /// Where to.
+    /// Where to go.
     pub target: StationTarget,
-    /// The speed limit of the moves, m/s; the vehicle's own where there is none.
+    /// The speed limit of the moves, m/s; `None` for the vehicle's own.
     pub speed_mps: Option<f64>,
-    /// How long it stands unless it is replaced.
+    /// How long it lasts unless it is replaced.
     pub duration: Duration,
 }
 
-/// Where a held vehicle goes.
+/// Where a vehicle goes that keeps its station.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StationTarget {
     /// It stays where it is.
@@ -256,7 +259,7 @@ pub struct SonarAngleRequest {
     pub angle_deg: f64,
 }
 
-/// Move the camera: each figure within -9 to 9, tenths of a second of movement.
+/// Move the camera: each figure is from -9 to 9, in tenths of a second of movement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CameraRequest {
     /// The plugin's name for it.

@@ -60,7 +60,7 @@ pub struct TelemetrySample {
     pub acoustic_down_last_kb: f64,
     /// The radio modem is connected.
     pub rf_connected: bool,
-    /// Ethernet is there.
+    /// Ethernet is available.
     pub ethernet_available: bool,
 }
 
@@ -97,18 +97,18 @@ pub struct PressureSample {
     pub pressure_kpa: f64,
 }
 
-/// The thruster, and the speed that it is thought to give.
+/// The thruster, and the speed that the vehicle estimates from it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VehicleSpeedSample {
     /// When it was measured, on our clock.
     pub measured: Timestamp,
     /// Turns a minute.
     pub thruster_rpm: f64,
-    /// Through the water, m/s; `None` where the vehicle cannot tell.
+    /// Through the water, m/s; `None` if the vehicle does not know it.
     pub water_speed_mps: Option<f64>,
 }
 
-/// A battery, or the sum of all as number 0. `None` is what the vehicle left empty.
+/// A battery, or the sum of all as number 0. A value is `None` if the vehicle left its field empty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BatterySample {
     /// When it was measured, on our clock.
@@ -144,7 +144,7 @@ pub struct SurfacesSample {
     pub rudder_target_deg: f64,
 }
 
-/// The DVL's raw output. `None` is what the vehicle left empty.
+/// The DVL's raw output. A value is `None` if the vehicle left its field empty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DvlSample {
     /// When it was measured, on our clock.
@@ -157,7 +157,8 @@ pub struct DvlSample {
     pub temperature_c: Option<f64>,
 }
 
-/// The DVL's raw output beam by beam. On vehicles that do not hover the velocities are forward, starboard, down and error.
+/// The DVL's raw output beam by beam. On vehicles that do not hover, the velocities are forward, starboard, down and
+/// error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DvlBeamsSample {
     /// When it was measured, on our clock.
@@ -170,7 +171,7 @@ pub struct DvlBeamsSample {
     pub temperature_c: Option<f64>,
 }
 
-/// The inertial unit's raw output, about and along forward, starboard and down.
+/// The inertial unit's raw output, about and along the axes forward, starboard and down.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImuSample {
     /// When it was measured, on our clock.
@@ -195,9 +196,9 @@ pub struct ServoSample {
 /// The vehicle's trim, estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrimSample {
-    /// When the vehicle said so, on our clock.
+    /// When the vehicle sent it, on our clock.
     pub measured: Timestamp,
-    /// An adjustment is under way: one that was asked for, or one of the vehicle's own.
+    /// An adjustment is under way, either requested or by the vehicle itself.
     pub adjusting: bool,
     /// Degrees.
     pub pitch_deg: f64,
@@ -208,9 +209,9 @@ pub struct TrimSample {
 /// The vehicle's buoyancy, estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BuoyancySample {
-    /// When the vehicle said so, on our clock.
+    /// When the vehicle sent it, on our clock.
     pub measured: Timestamp,
-    /// An adjustment is under way: one that was asked for, or one of the vehicle's own.
+    /// An adjustment is under way, either requested or by the vehicle itself.
     pub adjusting: bool,
     /// Newtons.
     pub buoyancy_n: f64,
@@ -231,7 +232,7 @@ pub struct RelativeSample {
     pub heading_deg: f64,
     /// Below the surface, metres.
     pub depth_m: f64,
-    /// Degrees, in the vehicle's inertial frame: no compass heading.
+    /// Degrees, in the vehicle's inertial frame: not a compass heading.
     pub absolute_heading_deg: f64,
     /// Degrees.
     pub roll_deg: f64,
@@ -254,7 +255,7 @@ pub struct CartesianSample {
     pub heading_deg: f64,
 }
 
-/// A while in which the payload may send through the acoustic modem (BFCMA, SPI 9.1).
+/// A time in which the payload may send through the acoustic modem (BFCMA, SPI 9.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Window {
     /// Its end, on our clock.
@@ -274,16 +275,16 @@ pub struct ReceivedPacket {
     pub source: u32,
     /// The modem that it was for; not always this one.
     pub destination: u32,
-    /// Telemetry mode; `None` where it is not known.
+    /// Telemetry mode; `None` if it is not known.
     pub mode: Option<i32>,
-    /// As many as the vehicle says that there are.
+    /// As many frames as the vehicle says that there are.
     pub frames: Vec<ReceivedFrame>,
 }
 
 /// A frame of a received packet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReceivedFrame {
-    /// It came whole. Others are kept for what they are worth.
+    /// It came undamaged. Damaged frames are kept too.
     pub good: bool,
     /// Its bytes.
     pub data: Vec<u8>,
@@ -296,6 +297,6 @@ pub struct PlannedElement {
     pub number: Option<u32>,
     /// A payload's identifier, for an insert.
     pub identifier: Option<u32>,
-    /// In the order that they are passed, with their place in the fence's frame.
+    /// Its points in the order in which they are flown, each also in the fence's frame.
     pub points: Vec<(Position, EastNorth)>,
 }

@@ -1,5 +1,5 @@
-//! Plugins as core sees them: when each is stepped, what it is told, and what becomes of it when it fails. One step of a
-//! plugin is under way at a time; core never waits for it (safety requirement 006).
+//! Plugins as core sees them: when each is stepped, which events it gets, and what happens when it fails. At most one
+//! step of a plugin is under way at a time, and core never waits for it (safety requirement 006).
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -13,26 +13,26 @@ use crate::outbox::budget::LineBudget;
 use crate::plugin::{Event, FaultKind, PluginFault, PluginId, Topic};
 use crate::settings::PluginSetup;
 
-/// More events than this for one plugin while it runs, and it has failed.
+/// A plugin fails if more events than this wait for its next step.
 const EVENTS_MAX: usize = 256;
-/// A plugin that fails this often is quarantined.
+/// A plugin that fails more often than this is quarantined.
 const FAILURES_MAX: u32 = 5;
-/// Failures longer ago than this are forgiven.
+/// The count of failures starts again if the last failure was longer ago than this.
 const FORGIVEN_AFTER: Duration = Duration::from_secs(600);
 const BACK_OFF: Duration = Duration::from_secs(1);
-/// So many timers of one plugin are set at once.
+/// How many timers of one plugin can be set at once.
 pub(crate) const TIMERS_MAX: usize = 64;
-/// A plugin is stepped no more often than this, whatever its timers say.
+/// The shortest time between two steps of a plugin, whatever its timers say.
 const PERIOD_MIN: Duration = Duration::from_millis(20);
 
-/// Where a plugin stands.
+/// The state of a plugin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum State {
     Idle,
     /// A step is under way.
     Running,
-    /// A step is under way whose return is no longer wanted.
+    /// A step is under way, and its result will be dropped.
     Condemned,
     BackingOff {
         until: Timestamp,
@@ -51,16 +51,16 @@ struct Slot {
     due: Timestamp,
     /// When its last step began.
     invoked: Timestamp,
-    /// It was due while a step was under way.
+    /// Its next step was due while one was under way.
     overdue: bool,
     timers: Vec<(Timestamp, u64)>,
     failures: u32,
     failed_at: Timestamp,
     requests: Allowance,
-    /// Rejections of what was over the rate that are told one by one.
+    /// Limits how many rejections for its rate are logged one by one.
     over_rate: LineBudget,
     messages: Allowance,
-    /// How many tracklines and trackcircles of its have been sent.
+    /// How many of its tracklines and trackcircles have been sent.
     inserts_sent: u32,
 }
 
@@ -87,8 +87,9 @@ impl Slot {
         self.state == State::Quarantined
     }
 
-    /// The vehicle says so much that the queue fills before the plugin's time. Outcomes do not count: they are answers to
-    /// what the plugin asked, and one that floods would be stepped the more often the more it asks.
+    /// Whether messages of the vehicle fill the queue before the plugin's next step is due. Outcomes do not count,
+    /// because they answer the plugin's own requests: otherwise the more a plugin asks for, the more often it would be
+    /// stepped.
     fn is_filling(&self) -> bool {
         let told = |event: &&Event| !matches!(event, Event::Outcome { .. });
         self.events.len() >= EVENTS_MAX / 2 && self.events.iter().filter(told).count() >= EVENTS_MAX / 2
@@ -101,7 +102,8 @@ impl Slot {
             .clamp(PERIOD_MIN, Duration::from_secs(60))
     }
 
-    /// Steps go with navigation; where none comes they go without, half a period late.
+    /// When a step is due without navigation. Steps normally come with navigation; if none comes, they come without it,
+    /// half a period late.
     fn due_without_navigation(&self) -> Timestamp {
         self.due + self.period() / 2
     }
@@ -111,7 +113,7 @@ impl Slot {
             State::Idle => {
                 let timer = self.timers.iter().map(|(at, _)| *at).min();
                 let due = self.due_without_navigation();
-                // A queue that fills is emptied before its time.
+                // A plugin whose queue fills is stepped early.
                 let due = if self.is_filling() {
                     self.invoked + PERIOD_MIN
                 } else {
@@ -132,7 +134,7 @@ impl Slot {
     }
 }
 
-/// How often something may be asked: so many at once as in a second, refilled as time passes.
+/// A limit on how often a plugin may ask for something: as many at once as in a second, refilled as time passes.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Allowance {
@@ -141,7 +143,7 @@ struct Allowance {
 }
 
 impl Allowance {
-    /// Takes one, where one is left.
+    /// Takes one, if one is left.
     fn take(&mut self, now: Timestamp, per_second: f64) -> bool {
         let refilled = now.since(self.at).as_secs_f64() * per_second;
         self.used = (self.used - refilled).max(0.0);
@@ -154,37 +156,37 @@ impl Allowance {
     }
 }
 
-/// The plugins of the mission, in priority order, and what each is to be told.
+/// The plugins of the mission, in priority order, and the events that wait for each.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Plugins {
     slots: Vec<Slot>,
-    /// Those that have failed while something else was being done, which is finished first.
+    /// Plugins that have failed while core was doing something else, which it finishes first.
     failures: VecDeque<(PluginId, PluginFault)>,
 }
 
-/// What is due of a plugin.
+/// What a plugin is due for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Due {
     /// A step.
     Step,
-    /// Another instance.
+    /// A new instance.
     Restart,
 }
 
-/// What becomes of a step that has returned.
+/// What to do with the result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// Its requests are heard.
+    /// Its requests count.
     Counts,
-    /// It is over, and so is all that it asks for.
+    /// Its requests are dropped.
     Dropped,
 }
 
-/// What is done about a failure.
+/// What follows from a failure.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Failed {
-    /// In words.
+    /// What happens to the plugin, in words.
     pub(crate) then: &'static str,
     pub(crate) on_failure: FailAction,
     pub(crate) quarantined: bool,
@@ -228,7 +230,7 @@ impl Plugins {
         self.slots.iter().any(Slot::is_quarantined)
     }
 
-    /// How many tracklines and trackcircles of a plugin's have been sent.
+    /// How many tracklines and trackcircles of a plugin have been sent.
     pub(crate) fn inserts_sent(&self, plugin: PluginId) -> u32 {
         self.slots[plugin.0].inserts_sent
     }
@@ -237,27 +239,27 @@ impl Plugins {
         self.slots[plugin.0].inserts_sent += 1;
     }
 
-    /// Takes one of the requests that a plugin may make in a second, where one is left.
+    /// Takes one of the requests that a plugin may make in a second, if one is left.
     pub(crate) fn take_request(&mut self, now: Timestamp, plugin: PluginId, per_second: f64) -> bool {
         self.slots[plugin.0].requests.take(now, per_second)
     }
 
-    /// The same of its messages to the vehicle's log.
+    /// The same for its messages to the vehicle's log, one a second.
     pub(crate) fn take_message(&mut self, now: Timestamp, plugin: PluginId) -> bool {
         self.slots[plugin.0].messages.take(now, 1.0)
     }
 
-    /// Whether a rejection for the rate is told by itself; else it is counted.
+    /// Whether a rejection for the rate is logged by itself; otherwise it is only counted.
     pub(crate) fn tells_over_rate(&mut self, now: Timestamp, plugin: PluginId) -> bool {
         self.slots[plugin.0].over_rate.take(now)
     }
 
-    /// How many rejections for the rate were counted and not told since this was last asked.
+    /// How many rejections for the rate were only counted since the last call.
     pub(crate) fn take_dropped(&mut self, plugin: PluginId) -> u64 {
         self.slots[plugin.0].over_rate.take_dropped()
     }
 
-    /// A plugin is told of something with its next step.
+    /// Gives a plugin an event with its next step.
     pub(crate) fn tell(&mut self, plugin: PluginId, event: Event) {
         let slot = &mut self.slots[plugin.0];
         match slot.state {
@@ -284,7 +286,7 @@ impl Plugins {
         }
     }
 
-    /// Those are told that listen to a topic.
+    /// Gives an event to the plugins that asked for a topic.
     pub(crate) fn tell_wanting(&mut self, topic: Topic, event: &Event) {
         for plugin in self.ids() {
             if self.wants(plugin, topic) {
@@ -293,7 +295,7 @@ impl Plugins {
         }
     }
 
-    /// Sets a timer of a plugin's; false where it has as many as it may.
+    /// Sets a timer of a plugin. Returns false if it has as many as it may have.
     pub(crate) fn set_timer(&mut self, now: Timestamp, plugin: PluginId, id: u64, after: Duration) -> bool {
         let timers = &mut self.slots[plugin.0].timers;
         let room = timers.len() < TIMERS_MAX;
@@ -308,10 +310,10 @@ impl Plugins {
         self.slots.iter().filter_map(Slot::wakes_at).min()
     }
 
-    /// What is due of a plugin: a step with navigation at its period, without when that is overdue.
+    /// What a plugin is due for. With navigation, a step is due at its period; without, when such a step is overdue.
     pub(crate) fn due(&mut self, now: Timestamp, plugin: PluginId, with_navigation: bool) -> Option<Due> {
         let slot = &mut self.slots[plugin.0];
-        // Navigation's own jitter must not make a step wait for the next one.
+        // Jitter of navigation must not make a step wait for the next navigation.
         let (early, due) = if with_navigation {
             (slot.period() / 10, slot.due)
         } else {
@@ -341,13 +343,13 @@ impl Plugins {
         None
     }
 
-    /// A step begins; what the plugin is told with it.
+    /// Begins a step. Returns the events that the plugin gets with it.
     pub(crate) fn begin_step(&mut self, now: Timestamp, plugin: PluginId) -> Vec<Event> {
         let slot = &mut self.slots[plugin.0];
         slot.state = State::Running;
         slot.overdue = false;
         slot.invoked = now;
-        // A little jitter does not move the cadence; more than that is another phase, navigation's own.
+        // A little jitter does not shift the schedule. After a longer delay the schedule takes navigation's phase.
         slot.due = if now.since(slot.due) <= slot.period() / 4 {
             slot.due + slot.period()
         } else {
@@ -382,7 +384,7 @@ impl Plugins {
         self.slots[plugin.0].overdue && self.is_idle(plugin)
     }
 
-    /// Whether another instance was awaited, which has come, or has failed to.
+    /// A new instance has started or has failed to. Returns whether core was waiting for one.
     pub(crate) fn restarted(&mut self, plugin: PluginId) -> bool {
         let Some(slot) = self.slots.get_mut(plugin.0) else {
             return false;
@@ -396,12 +398,12 @@ impl Plugins {
         awaited
     }
 
-    /// The next plugin that has failed meanwhile.
+    /// The next plugin that has failed in the meantime.
     pub(crate) fn take_failure(&mut self) -> Option<(PluginId, PluginFault)> {
         self.failures.pop_front()
     }
 
-    /// A plugin has failed: it comes back later or not at all.
+    /// A plugin has failed: it continues, is restarted later, or is quarantined.
     pub(crate) fn fail(&mut self, now: Timestamp, plugin: PluginId, kind: FaultKind) -> Failed {
         let slot = &mut self.slots[plugin.0];
         if now.since(slot.failed_at) > FORGIVEN_AFTER {
@@ -421,7 +423,7 @@ impl Plugins {
             slot.back_off(now);
             "it will be restarted"
         } else {
-            "it goes on"
+            "it continues"
         };
         Failed {
             then,

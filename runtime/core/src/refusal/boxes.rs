@@ -1,19 +1,19 @@
-//! Boxes that a vehicle that hovers must keep within, or out of.
+//! The boxes that a hovering vehicle must stay in or keep out of.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// A box of `[limits.station]` that is left, or come into.
+/// A breach of a box of `[limits.station]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoxBreach {
-    /// The key of the box, `hull_box`, or the name of one to be kept out of.
+    /// The key of an allowed box (`hull_box`), the name of a forbidden one, or `limits.station` for its least altitude.
     pub name: String,
-    /// On which part of what the vehicle would do.
+    /// The part of the vehicle's movement that breaches it.
     pub stretch: Stretch,
-    /// How many metres are missing; `None` for what is no number.
+    /// How many metres are missing; `None` if that is not a finite number.
     pub missing_m: Option<f64>,
-    /// The bound that is passed.
+    /// The bound that is breached.
     pub edge: BoxEdge,
 }
 
@@ -21,7 +21,7 @@ pub struct BoxBreach {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stretch {
-    /// Where it is, and runs on to.
+    /// Where it is, until it has stopped.
     Here,
     /// On its way.
     Way,
@@ -31,22 +31,22 @@ pub enum Stretch {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BoxEdge {
-    /// One that holds the vehicle: it may come to this place on the axis, metres.
+    /// A bound of an allowed box.
     Kept {
-        /// What the axis is called.
+        /// The name of the axis.
         axis: String,
-        /// The key of the bound: `depth_max_m`.
+        /// The key of the bound, such as `depth_max_m`.
         key: String,
-        /// Where the vehicle may come to; `None` for what is no number.
+        /// How far the vehicle may come on the axis, metres; `None` if that is not a finite number.
         reached_m: Option<f64>,
-        /// Where the bound is.
+        /// The bound, metres.
         bound_m: f64,
     },
-    /// The nearest of one to be kept out of.
+    /// The nearest bound of a forbidden box.
     Entered {
-        /// The list of the box: `keep_out_hull`.
+        /// The list of the box, such as `keep_out_hull`.
         list: String,
-        /// The key of the bound: `depth_max_m`.
+        /// The key of the bound, such as `depth_max_m`.
         key: String,
     },
 }
@@ -66,7 +66,7 @@ impl fmt::Display for BoxBreach {
                 bound_m,
             } => write!(
                 f,
-                "{stretch}: {axis} is no finite number; {}'s {key} is {bound_m}",
+                "{stretch}: {axis} is not a finite number; {}'s {key} is {bound_m}",
                 self.name
             ),
             BoxEdge::Kept {

@@ -1,4 +1,4 @@
-//! Figures that have a range, and what is told of one that is out of it.
+//! Figures that have a range, and the refusal of one that is out of its range.
 
 use std::fmt;
 
@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::{Refusal, Rule};
 
-/// A row for each figure: what it is, its name in logs, its name in a text, its unit, the rule, and the key of the mission
-/// that sets its range, where one does.
+/// A row for each figure: its doc, its name in logs, its name in texts, its unit, its rule, and the mission's key that
+/// sets its range, if there is one.
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident $name:literal $spoken:literal $unit:literal $rule:ident $key:literal;)*) => {
-        /// A figure that a request, or what has been sent before it, must keep within a range.
+        /// A figure of a request, or a count of what was sent before, that must stay within a range.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
         #[serde(rename_all = "kebab-case")]
         pub enum Figure {
@@ -21,19 +21,19 @@ macro_rules! figures {
             /// All of them.
             pub const ALL: &[Self] = &[$(Self::$figure),*];
 
-            /// As logs and plugins name it: `modify-term`.
+            /// Its name in logs and for plugins: `modify-term`.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$figure => $name,)* }
             }
 
-            /// As a text names it: `term of a modify`.
+            /// Its name in texts: `term of a modify`.
             #[must_use]
             pub const fn spoken(self) -> &'static str {
                 match self { $(Self::$figure => $spoken,)* }
             }
 
-            /// Its unit; empty for a number of things.
+            /// Its unit; empty for a count.
             #[must_use]
             pub const fn unit(self) -> &'static str {
                 match self { $(Self::$figure => $unit,)* }
@@ -45,7 +45,7 @@ macro_rules! figures {
                 match self { $(Self::$figure => Rule::$rule,)* }
             }
 
-            /// The mission's key that sets its range; empty where the range is fixed.
+            /// The mission's key that sets its range; empty if the range is fixed.
             #[must_use]
             pub const fn key(self) -> &'static str {
                 match self { $(Self::$figure => $key,)* }
@@ -67,24 +67,24 @@ figures! {
     Heading "heading" "heading" "deg" Limit "";
     /// A request's speed.
     Speed "speed" "speed" "m/s" Limit "limits.speed_min_mps, limits.speed_max_mps";
-    /// How long a modify may stand.
+    /// How long a modify lasts.
     ModifyTerm "modify-term" "term of a modify (more than 0)" "s" Limit "limits.modify_term_max_s";
-    /// How far apart a trackline's ends are.
+    /// The distance between a trackline's ends.
     TracklineLength "trackline-length" "length of a trackline" "m" Limit "";
-    /// A circle's radius: no tighter than the vehicle turns.
+    /// A circle's radius. The circle must not be tighter than the vehicle can turn.
     CircleRadius "circle-radius" "radius of a circle" "m" Limit "limits.turn_rate_dps";
-    /// A circle's orbits; their sign is the way around.
-    CircleOrbits "circle-orbits" "number of orbits (more than 0 either way)" "" Limit "";
+    /// A circle's orbits. Their sign is the direction.
+    CircleOrbits "circle-orbits" "number of orbits (not 0)" "" Limit "";
     /// The angle at which a circle is entered.
     EntryAngle "entry-angle" "entry angle of a circle" "deg" Limit "";
-    /// How long station keeping may stand.
+    /// How long station keeping lasts.
     StationTerm "station-term" "term of station keeping (more than 0)" "s" Limit "limits.station.term_max_s";
-    /// The speed of a vehicle that hovers.
+    /// The speed of a hovering vehicle.
     StationSpeed "station-speed" "speed of station keeping" "m/s" Limit "limits.station.speed_max_mps";
-    /// The vehicle's own speed, at which a move without one goes.
-    DefaultSpeed "default-speed" "the vehicle's own speed (of a move without one)" "m/s" Limit "limits.station.speed_default_mps";
-    /// How many places the mission may stand suspended at.
-    Suspensions "suspensions" "places where the mission stands suspended" "" Cap "";
+    /// The vehicle's own speed, which a move without a speed uses.
+    DefaultSpeed "default-speed" "the vehicle's own speed (for a move without a speed)" "m/s" Limit "limits.station.speed_default_mps";
+    /// The number of places at which the mission may have been suspended.
+    Suspensions "suspensions" "places where the mission is suspended" "" Cap "";
     /// A sonar's angle.
     SonarAngle "sonar-angle" "angle of the sonar" "deg" Limit "limits.station.sonar_angle_min_deg, limits.station.sonar_angle_max_deg";
     /// A camera's pan.
@@ -98,9 +98,9 @@ figures! {
     /// A packet's telemetry mode (SPI 9.3).
     TelemetryMode "telemetry-mode" "telemetry mode" "" Limit "";
     /// The bytes of a packet's frames.
-    FrameBytes "frame-bytes" "frames of a packet" "bytes" Limit "";
+    FrameBytes "frame-bytes" "size of a packet's frames" "bytes" Limit "";
     /// The bytes of a message to the topside.
-    TextBytes "text-bytes" "text" "bytes" Text "";
+    TextBytes "text-bytes" "length of the text" "bytes" Text "";
     /// A plugin's requests in a second.
     Requests "requests" "requests in a second" "" Rate "limits.requests_per_s";
     /// Packets in a minute.
@@ -129,7 +129,7 @@ figures! {
     WaitingInserts "waiting-inserts" "inserts that wait for the vehicle to answer" "" Heard "";
     /// Silences of the whole mission.
     Silences "silences" "silences of the mission" "" Cap "limits.silences_total_max";
-    /// Trims and adjustments of the buoyancy of the whole mission.
+    /// Adjustments of trim and buoyancy in the whole mission.
     Adjustments "adjustments" "adjustments of the mission" "" Cap "limits.adjustments_total_max";
     /// How long an empty mission lasts.
     EmptyMission "empty-mission" "duration of the empty mission" "s" Limit "";
@@ -145,55 +145,55 @@ figures! {
     Pressure "pressure" "pressure" "kPa" Limit "";
     /// The depth of an external source's fix.
     FixDepth "fix-depth" "depth of the fix" "m" Limit "external.fix_depth_difference_max_m";
-    /// How far an external source's fix is from the fence's middle.
-    FixFromFence "fix-from-fence" "way of the fix from the fence's middle" "m" Limit "";
-    /// How far an external source's fix is from navigation.
-    FixFromNavigation "fix-from-navigation" "way of the fix from navigation" "m" Limit "external.fix_distance_max_m";
-    /// The x that relative navigation is to be set to.
+    /// The distance of an external source's fix from the middle of the fence.
+    FixFromFence "fix-from-fence" "distance of the fix from the fence's middle" "m" Limit "";
+    /// The distance of an external source's fix from navigation.
+    FixFromNavigation "fix-from-navigation" "distance of the fix from navigation" "m" Limit "external.fix_distance_max_m";
+    /// The x to which relative navigation is set.
     ResetX "reset-x" "x" "m" Limit "external.reset_max_m";
-    /// The y that relative navigation is to be set to.
+    /// The y to which relative navigation is set.
     ResetY "reset-y" "y" "m" Limit "external.reset_max_m";
-    /// The bearing that relative navigation is to be set to.
+    /// The bearing to which relative navigation is set.
     ResetBearing "reset-bearing" "bearing" "deg" Limit "";
     /// The offset of the heading.
     BearingOffset "bearing-offset" "offset of the bearing" "deg" Limit "external.offset_max_deg";
 }
 
-/// A figure out of its range.
+/// A figure that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FigureBreach {
-    /// Which figure.
+    /// The figure.
     pub figure: Figure,
-    /// What it is, or would be; `None` for what is no number.
+    /// Its value, or what that would be; `None` if it is not a finite number.
     pub value: Option<f64>,
-    /// The least that is allowed, where there is one.
+    /// The least allowed value, if there is one.
     pub least: Option<f64>,
-    /// The most that is allowed, where there is one.
+    /// The greatest allowed value, if there is one.
     pub most: Option<f64>,
 }
 
 impl Figure {
-    /// The figure is out of a range with two ends.
+    /// Refuses a value outside a range with two ends.
     pub(crate) fn not_within(self, value: f64, least: f64, most: f64) -> Refusal {
         self.breach(value, Some(least), Some(most))
     }
 
-    /// The figure is, or would be, over the most.
+    /// Refuses a value that is, or would be, greater than allowed.
     pub(crate) fn over(self, value: f64, most: f64) -> Refusal {
         self.breach(value, None, Some(most))
     }
 
-    /// The figure is under the least.
+    /// Refuses a value that is less than allowed.
     pub(crate) fn under(self, value: f64, least: f64) -> Refusal {
         self.breach(value, Some(least), None)
     }
 
-    /// One thing more would be over the most.
+    /// Refuses one thing more than allowed.
     pub(crate) fn one_over(self, most: u32) -> Refusal {
         self.over(f64::from(most) + 1.0, f64::from(most))
     }
 
-    /// The figure is not one of its quantity.
+    /// Refuses a value that its type does not accept.
     pub(crate) fn out_of_range(self) -> impl Fn(backseat_units::OutOfRange) -> Refusal {
         move |error| self.not_within(error.value, error.min, error.max)
     }
@@ -220,7 +220,7 @@ impl fmt::Display for FigureBreach {
         write!(f, "{} is ", figure.spoken())?;
         match value {
             Some(value) => Decimal(*value).fmt(f)?,
-            None => f.write_str("no finite number")?,
+            None => f.write_str("not a finite number")?,
         }
         match (least, most) {
             (Some(least), Some(most)) => write!(f, "; expected {} to {}", Decimal(*least), Decimal(*most))?,
@@ -253,7 +253,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_figure_is_told_with_its_range_its_unit_and_its_key() {
+    fn a_refused_figure_is_printed_with_its_range_its_unit_and_its_key() {
         let told = |refusal: Refusal| refusal.to_string();
         assert_eq!(
             told(Figure::Speed.not_within(3.0, 1.0, 2.25)),
@@ -265,12 +265,12 @@ mod tests {
         );
         assert_eq!(
             told(Figure::Depth.under(f64::NAN, 0.0)),
-            "limit: depth is no finite number; expected at least 0 m"
+            "limit: depth is not a finite number; expected at least 0 m"
         );
     }
 
     #[test]
-    fn names_are_unique_and_those_of_the_log() {
+    fn names_are_unique_and_the_same_in_the_log() {
         for figure in Figure::ALL {
             assert_eq!(serde_json::to_value(figure).unwrap(), figure.name());
             let same = Figure::ALL.iter().filter(|other| other.name() == figure.name());

@@ -1,10 +1,10 @@
-//! States of things that refuse a request.
+//! States that refuse a request.
 
 use serde::{Deserialize, Serialize};
 
 use super::Rule;
 
-/// A row for each reason: what it is, its name in logs, its rule, its text.
+/// A row for each reason: its name in logs, its rule, its text.
 macro_rules! reasons {
     ($(#[$doc_of_all:meta])* $all:ident; $($reason:ident $name:literal $rule:ident $text:literal;)*) => {
         $(#[$doc_of_all])*
@@ -18,19 +18,19 @@ macro_rules! reasons {
             /// All of them.
             pub const ALL: &[Self] = &[$(Self::$reason),*];
 
-            /// As logs and plugins name it, in lower case with hyphens.
+            /// Its name in logs and for plugins, in lower case with hyphens.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$reason => $name,)* }
             }
 
-            /// The rule that refuses for it.
+            /// The rule that refuses a request for this reason.
             #[must_use]
             pub const fn rule(self) -> Rule {
                 match self { $(Self::$reason => Rule::$rule,)* }
             }
 
-            /// In one line.
+            /// The reason in one line.
             #[must_use]
             pub const fn text(self) -> &'static str {
                 match self { $(Self::$reason => $text,)* }
@@ -59,7 +59,7 @@ reasons! {
     NavigationUnsteady "navigation-unsteady" Control "navigation has not been steady for long enough";
     NotArmed "not-armed" Control "the runtime is not armed";
     NotSent "not-sent" Control "it could not be sent";
-    LinkDownTooLong "link-down-too-long" Control "the link was down for too long: order it again";
+    LinkDownTooLong "link-down-too-long" Control "the link was down for too long: give the order again";
 }
 
 reasons! {
@@ -69,25 +69,25 @@ reasons! {
     NavigationIsStale "navigation-is-stale" Navigation "navigation is stale";
     NavigationMissing "navigation-missing" Navigation "no navigation";
     RelativeStale "relative-stale" Navigation "relative navigation is stale";
-    BoxesUnknown "boxes-unknown" Navigation "neither BFRNV in a hull_box nor BFCNV in a bottom_box is fresh and steady";
+    BoxesUnknown "boxes-unknown" Navigation "neither BFRNV with a hull_box nor BFCNV with a bottom_box is fresh and steady";
     HullPlaceUnknown "hull-place-unknown" Navigation "a move on the hull needs fresh BFRNV";
     BottomPlaceUnknown "bottom-place-unknown" Navigation "a move over the bottom needs fresh BFCNV";
-    HullStopUnknown "hull-stop-unknown" Navigation "to stop on the hull needs fresh BFRNV";
-    BottomStopUnknown "bottom-stop-unknown" Navigation "to stop over the bottom needs fresh BFCNV";
-    BottomUnknown "bottom-unknown" Station "no height above the bottom can be told without bottom lock or water_depth_min_m";
+    HullStopUnknown "hull-stop-unknown" Navigation "a stop on the hull needs fresh BFRNV";
+    BottomStopUnknown "bottom-stop-unknown" Navigation "a stop over the bottom needs fresh BFCNV";
+    BottomUnknown "bottom-unknown" Station "height above the bottom unknown: expected bottom lock or water_depth_min_m";
     WaterDepthUnknown "water-depth-unknown" Altitude "an altitude needs bottom lock or the mission's water_depth_max_m";
-    SuspensionUnknown "suspension-unknown" Station "where the mission was suspended, and BPRES may lead back to, is not known in this frame";
+    SuspensionUnknown "suspension-unknown" Station "the place where the mission was suspended, to which BPRES may lead back, is unknown in this frame";
     NoStationLimits "no-station-limits" Limit "the mission has no [limits.station]";
     NoHullBox "no-hull-box" Station "the mission has no [limits.station.hull_box]";
     NoBottomBox "no-bottom-box" Station "the mission has no [limits.station.bottom_box]";
     NoSonarAngle "no-sonar-angle" Limit "[limits.station] has no sonar_angle_min_deg and sonar_angle_max_deg";
-    PlanUnknown "plan-unknown" Plan "the vehicle's plan is not known, nor so the way back to it";
-    PlanUnknownForInsert "plan-unknown-for-insert" Plan "the vehicle's plan is not known, nor so where the insert would begin";
-    PlanUnknownNext "plan-unknown-next" Plan "the vehicle's plan is not known, nor so what comes next";
-    FlownUnheard "flown-unheard" Plan "it was not heard what the vehicle flies, nor has it kept to a line of its plan for 10 s";
-    FlownNotPlanned "flown-not-planned" Plan "what the vehicle flies is not in its plan, nor so the way back to it";
-    BeginUnheard "begin-unheard" Plan "it was not heard what the vehicle flies, nor so where the insert would begin";
-    TakenUpUnheard "taken-up-unheard" Plan "it was not heard what the vehicle takes up again after what it flies, nor so the way back to it";
+    PlanUnknown "plan-unknown" Plan "plan unknown: cannot check the return path";
+    PlanUnknownForInsert "plan-unknown-for-insert" Plan "plan unknown: cannot check the way to the insert";
+    PlanUnknownNext "plan-unknown-next" Plan "plan unknown: cannot check the way to what comes next";
+    FlownUnheard "flown-unheard" Plan "current behavior unknown, and the vehicle has not kept to a line of its plan or of an open trackline for 10 s";
+    FlownNotPlanned "flown-not-planned" Plan "the current behavior is neither in the plan nor an open insert of this run: cannot check the return path";
+    BeginUnheard "begin-unheard" Plan "current behavior unknown: cannot check the way to the insert";
+    TakenUpUnheard "taken-up-unheard" Plan "it is unknown where the planned behavior began that the vehicle may resume: cannot check the return path";
     OtherSteers "other-steers" Priority "a plugin of higher priority steers";
     OtherKeepsStation "other-keeps-station" Priority "a plugin of higher priority keeps the vehicle at its station";
     OtherSilences "other-silences" Priority "another plugin has asked for the silence";
@@ -97,48 +97,48 @@ reasons! {
     TagBegun "tag-begun" Tag "the insert has begun and can no longer be cancelled (SPI 7.8)";
     TagIsGpsHit "tag-is-gps-hit" Tag "a GPS hit cannot be cancelled: BPRCN covers tracklines and trackcircles only (SPI 7.8)";
     TriggerOpen "trigger-open" Tag "this plugin's request for the trigger is still open";
-    InterruptOpen "interrupt-open" Interrupt "an insert that interrupts is open, and none may interrupt it (SPI 7.5)";
-    InterruptPreviousRun "interrupt-previous-run" Interrupt "an insert of a previous run may be flown, and may be one that none may interrupt (SPI 7.5)";
-    InterruptForeign "interrupt-foreign" Interrupt "an insert that is not ours is flown, and may be one that none may interrupt (SPI 7.5)";
-    InsertInDoubt "insert-in-doubt" Doubt "the vehicle has not answered for an earlier insert since the link was lost";
-    GpsHitFlown "gps-hit-flown" GpsHit "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
+    InterruptOpen "interrupt-open" Interrupt "an insert that interrupts is open, and no other may interrupt it (SPI 7.5)";
+    InterruptPreviousRun "interrupt-previous-run" Interrupt "an insert of a previous run may be in progress, and may be one that no other may interrupt (SPI 7.5)";
+    InterruptForeign "interrupt-foreign" Interrupt "an insert that is not ours is in progress, and may be one that no other may interrupt (SPI 7.5)";
+    InsertInDoubt "insert-in-doubt" Doubt "it is unknown whether the vehicle has an earlier insert";
+    GpsHitFlown "gps-hit-flown" GpsHit "a GPS hit may be in progress, and the vehicle would surface wherever this request leads it";
     StateMissing "state-missing" Identifier "the identifiers' state on disk is missing";
     IdentifierNotReserved "identifier-not-reserved" Identifier "no identifier is reserved on disk yet";
     InsertNotReserved "insert-not-reserved" Identifier "no insert is reserved on disk yet";
     EntryAngleUnread "entry-angle-unread" Layout "the mission does not say that the vehicle reads a circle's entry angle (vehicle.trackcircle_entry_angle)";
     InterruptCodeUnplaced "interrupt-code-unplaced" Layout "the mission does not say where the vehicle reads a circle's interrupt code (vehicle.trackcircle_entry_angle)";
-    ModifyPause "modify-pause" Pause "the vehicle refused or did not answer the last BPRMB: none leaves";
-    NotAnswered "not-answered" Heard "the vehicle did not answer within 1 s, and nothing takes this back once it is sent (SPI 7.8)";
+    ModifyPause "modify-pause" Pause "the vehicle refused or did not answer the last BPRMB: no modify is sent";
+    NotAnswered "not-answered" Heard "the vehicle did not answer within 1 s, and nothing can take this request back once it is sent (SPI 7.8)";
     PluginFailed "plugin-failed" Plugin "its plugin failed before it was sent";
-    NoWindow "no-window" Window "no window is open, or it ends too soon (SPI 9.1)";
+    NoWindow "no-window" Window "no acoustic window is open, or it ends too soon (SPI 9.1)";
     WindowsUnsubscribed "windows-unsubscribed" Window "the vehicle has not acknowledged the subscription to BFCMA";
     ReportsUnsubscribed "reports-unsubscribed" Window "the vehicle has not acknowledged the subscription to BFCPS";
-    TextEmpty "text-empty" Text "it is empty";
-    TextHoldsSentence "text-holds-sentence" Text "the text holds $BP, and a vehicle that looks for sentences could take what follows for a command";
+    TextEmpty "text-empty" Text "the text is empty";
+    TextHoldsSentence "text-holds-sentence" Text "the text contains $BP: a vehicle that searches for sentences could take what follows for a command";
     VehicleSilent "vehicle-silent" State "the vehicle is in silent mode (SPI 7.22)";
     VehicleNotSilent "vehicle-not-silent" State "the vehicle is not silent";
-    AlreadySilent "already-silent" State "the vehicle may be silent, and entering anew would not extend that (SPI 7.22)";
-    SilenceUnanswered "silence-unanswered" State "the vehicle has not answered for the last one";
+    AlreadySilent "already-silent" State "the vehicle may be silent, and a new request would not extend that (SPI 7.22)";
+    SilenceUnanswered "silence-unanswered" State "the vehicle has not answered the last BPSIL";
     AcknowledgementsOff "acknowledgements-off" State "the vehicle's acknowledgements are not on (SPI 7.22)";
     TrimUnsubscribed "trim-unsubscribed" State "the vehicle has not confirmed the subscription to BFTRM";
     BuoyancyUnsubscribed "buoyancy-unsubscribed" State "the vehicle has not confirmed the subscription to BFBOY";
     AdjustmentUnderWay "adjustment-under-way" State "an adjustment of this kind is under way";
     TriggeringNotAllowed "triggering-not-allowed" State "the vehicle does not allow triggering now (BFDVT, SPI 7.4)";
-    TriggerEnding "trigger-ending" State "its plugin is ending it";
-    NothingToEnd "nothing-to-end" State "no request is open that this could end";
-    NotOfItsOwn "not-of-its-own" State "it is no request of its own";
+    TriggerEnding "trigger-ending" State "the plugin is already ending the triggering";
+    NothingToEnd "nothing-to-end" State "there is no open request to end";
+    NotOfItsOwn "not-of-its-own" State "it is not a request with an outcome of its own";
     CurrentUnknown "current-unknown" State "the current behavior is not known to be an insert of ours";
     CurrentForeign "current-foreign" State "the current behavior is an insert that is not ours";
     MissionRunning "mission-running" State "a mission is running";
     MissionEnding "mission-ending" State "a mission is ending";
     NoMission "no-mission" State "no mission is running";
     MissionStateUnknown "mission-state-unknown" State "the vehicle has not said whether a mission runs";
-    EmptyMissionStarting "empty-mission-starting" State "one is being started already";
-    EndingUnderWay "ending-under-way" State "one is under way already";
-    FixForced "fix-forced" Limit "the mission lets this external source force no fix";
+    EmptyMissionStarting "empty-mission-starting" State "an empty mission is already being started";
+    EndingUnderWay "ending-under-way" State "an order of this kind is already under way";
+    FixForced "fix-forced" Limit "the mission does not let this external source force a fix";
     NotInStep "not-in-step" State "the fence answers only within a step";
     Undecided "undecided" State "nothing has been decided yet";
-    NotExternal "not-external" Limit "it is no external source's";
+    NotExternal "not-external" Limit "an external source may not send this sentence";
 }
 
 #[cfg(test)]
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_unique_and_those_of_the_log() {
+    fn names_are_unique_and_the_same_in_the_log() {
         for reason in Reason::ALL {
             assert_eq!(serde_json::to_value(reason).unwrap(), reason.name());
         }

@@ -7,20 +7,21 @@ use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::session::subscriptions::ACKNOWLEDGEMENTS;
 
-/// The first acknowledgement comes within this: they are sent immediately (4.4).
+/// The first acknowledgement comes within this time: the vehicle sends it immediately (4.4).
 pub(crate) const FIRST_WITHIN: Duration = Duration::from_secs(1);
-/// A pending command is settled within 2 s (4.4), and the link's delay.
+/// The vehicle settles a pending command within 2 s (4.4). The rest is for the delay of the link.
 pub(crate) const SETTLED_WITHIN: Duration = Duration::from_secs(4);
-/// Silent mode is settled within 2 s, and 2 s more where the tailcone still turns (7.22), and the link's delay.
+/// The vehicle settles silent mode within 2 s, or within 4 s if the tailcone still turns (7.22). The rest is for the
+/// delay of the link.
 pub(crate) const SILENT_WITHIN: Duration = Duration::from_secs(6);
-/// A whole plan takes longer on its way (7.19).
+/// A whole plan takes longer to arrive (7.19).
 pub(crate) const PLAN_WITHIN: Duration = Duration::from_secs(10);
 
 /// What a command was sent for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Purpose {
-    /// It leaves before acknowledgements are asked for; a vehicle may answer it all the same.
+    /// A command sent before the subscription to acknowledgements. Some vehicles answer it anyway.
     Early,
     /// A beat of the heartbeat: BPLOG,ACK,ON.
     Beat,
@@ -32,7 +33,7 @@ pub(crate) enum Purpose {
     Lease(u64),
     /// An insert, by its request.
     Insert(u64),
-    /// The cancelling of an insert: the cancel's own request if a plugin asked, and the insert's.
+    /// A cancel of an insert: the cancel's own request, if a plugin asked for it, and the insert's request.
     Cancel { cancel: Option<u64>, insert: u64 },
     /// A request that ends with the answer to its one command.
     Request(u64),
@@ -44,7 +45,7 @@ pub(crate) enum Purpose {
     Adjustment(u64),
     /// An acoustic packet, by its request.
     Packet(u64),
-    /// The DVL's triggering, by its request.
+    /// A command of the DVL trigger handshake, by its request.
     DvlTrigger(u64),
     /// A command of station keeping, by its request.
     Station(u64),
@@ -54,22 +55,23 @@ pub(crate) enum Purpose {
     Ending(u64),
     /// The start of an empty mission, by its request.
     EmptyMission(u64),
-    /// The vehicle's own speed limit after station keeping, by the request of that.
+    /// The command that restores the vehicle's own speed limit after station keeping, by the request for that station
+    /// keeping.
     SpeedRestored(u64),
-    /// Nothing hangs on it.
+    /// A command on whose answer nothing depends.
     Courtesy,
 }
 
 /// The vehicle's answer to a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Answer<'a> {
-    /// It is working on it (acknowledgement status 3); the first time that it says so.
+    /// The vehicle is working on it (acknowledgement status 3). Only the first such acknowledgement is passed on.
     Pending,
-    /// It has done it.
+    /// The vehicle has done it.
     Done,
-    /// It has refused it or failed at it; its text.
+    /// The vehicle has refused it or failed at it, with this text.
     Refused(&'a str),
-    /// None came in time.
+    /// No answer came in time.
     Missing,
 }
 
@@ -84,25 +86,26 @@ pub(crate) struct Command {
     pub(crate) pending: bool,
 }
 
-/// The commands under way, oldest first.
+/// The commands that wait for an answer, oldest first.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Commands {
     sent: Vec<Command>,
-    /// The vehicle answers on this connection what was sent before it was asked to.
+    /// On this connection the vehicle has answered a command that was sent before the subscription to acknowledgements.
     answers_early: bool,
 }
 
-/// More than this many at once are not remembered: no peer makes us remember without bound.
+/// How many commands are remembered at once: no peer can make us remember without bound.
 const COMMANDS_MAX: usize = 256;
 
-/// The name under which subscriptions are acknowledged. They have no time that an acknowledgement could echo.
+/// The name in the acknowledgement of a subscription. A subscription has no time that its acknowledgement could echo.
 const LOG: &str = "LOG";
 
 impl Commands {
-    /// Remembers a command that is to be sent. False where there is no room for its answer, so that it must not be sent:
-    /// what hangs on it would never end. One on which nothing hangs makes room and needs none; the end of a mission, of
-    /// which there are two at most, always finds it.
+    /// Remembers a command that is about to be sent. Returns false if there is no room: the command must then not be
+    /// sent, because whatever depends on its answer would never end. If there is no room, a command on whose answer
+    /// nothing depends gives up its place, or is sent without being remembered. The end of a mission always has room;
+    /// there are two at most.
     pub(crate) fn push(&mut self, command: Command) -> bool {
         if self.sent.len() >= COMMANDS_MAX {
             let idle = self.sent.iter().position(|sent| sent.purpose == Purpose::Courtesy);
@@ -136,9 +139,10 @@ impl Commands {
         true
     }
 
-    /// The command that an acknowledgement answers: by name, echoed time and identifier; one that names no command
-    /// (`NAK`) answers the oldest. With it, whether it is settled: a final answer takes it, another leaves it waiting.
-    /// `subscriptions` are the messages that [`Purpose::Subscription`] counts.
+    /// Finds the command that an acknowledgement answers, by name, echoed time and identifier. An acknowledgement that
+    /// names no command (`NAK`) answers the oldest command that is not pending. The second value is whether the command
+    /// is settled: a final answer removes it, any other leaves it waiting. [`Purpose::Subscription`] is an index into
+    /// `subscriptions`.
     pub(crate) fn answer(
         &mut self,
         ack: &Acknowledgement,
@@ -162,8 +166,9 @@ impl Commands {
                             || ack.behavior == command.identifier)
                 })
                 .or_else(|| {
-                    // A command that could not be read is refused with no echo of its time: the oldest of its name.
-                    // Nothing but that refusal may lack the echo, or a late answer would confirm a later command.
+                    // The refusal of a command that the vehicle could not read echoes no time: it answers the oldest
+                    // command of that name. No other acknowledgement may lack the echo, or a late one would confirm a
+                    // later command.
                     let unread = ack.status == AckStatus::Invalid && ack.command_created.is_none();
                     unread
                         .then(|| self.sent.iter().position(|command| command.name == ack.command))
@@ -174,7 +179,8 @@ impl Commands {
         self.answers_early |= command.purpose == Purpose::Early;
         let settled = match ack.status {
             AckStatus::Pending => false,
-            // The first of two acknowledgements of silent mode tells of the receipt, and need not say pending (7.22).
+            // The first of the two acknowledgements of silent mode confirms the receipt. Its status need not be pending
+            // (7.22).
             AckStatus::Succeeded => command.pending || !matches!(command.purpose, Purpose::Silent(_)),
             AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => true,
         };
@@ -182,7 +188,7 @@ impl Commands {
             Some((self.sent.remove(index), true))
         } else {
             if command.pending {
-                // Said again, it gives the vehicle no more time.
+                // A repeated pending acknowledgement gives the vehicle no more time.
                 return None;
             }
             command.pending = true;
@@ -211,18 +217,18 @@ impl Commands {
         }
     }
 
-    /// The subscription that an acknowledgement is for: the one that its text names, else the oldest.
+    /// Finds the subscription that an acknowledgement answers: the one that its text names, otherwise the oldest.
     ///
-    /// What was sent before acknowledgements were asked for counts only where the vehicle answers such a thing. It
-    /// answers in order, so it would have answered BPVER before any subscription; otherwise each answer would be taken
-    /// for that of the subscription before.
+    /// Commands that were sent before the subscription to acknowledgements count only if the vehicle answers such
+    /// commands. It answers in order, so it has then answered BPVER before any subscription. If they always counted,
+    /// each answer would be taken for the answer to the previous subscription.
     fn subscription(&mut self, ack: &Acknowledgement, subscriptions: &[&str]) -> Option<usize> {
         if !self.answers_early {
             self.sent.retain(|command| command.purpose != Purpose::Early);
         }
         let subject = |command: &Command| match command.purpose {
             Purpose::Subscription(index) => subscriptions.get(index).copied(),
-            // The first of the list is subscribed before acknowledgements are.
+            // The first message of the list is subscribed before acknowledgements are.
             Purpose::Early => subscriptions.first().copied(),
             Purpose::Beat => Some(ACKNOWLEDGEMENTS),
             Purpose::Plan
@@ -247,7 +253,7 @@ impl Commands {
         let mut named = waiting().filter_map(subject).filter(|subject| names(text, subject));
         let named = match (named.next(), named.next()) {
             (Some(one), None) => Some(one),
-            // The same message may be subscribed twice; two messages in one text name none.
+            // The same message may be subscribed twice. A text with two different messages names neither.
             (Some(one), Some(other)) if one == other && named.all(|more| more == one) => Some(one),
             (Some(_), Some(_)) | (None, _) => None,
         };
@@ -256,12 +262,12 @@ impl Commands {
         })
     }
 
-    /// What the commands under way are for, oldest first.
+    /// The purposes of the commands that wait for an answer, oldest first.
     pub(crate) fn purposes(&self) -> impl Iterator<Item = Purpose> + '_ {
         self.sent.iter().map(|sent| sent.purpose)
     }
 
-    /// Takes a command whose answer is late.
+    /// Removes and returns a command whose answer is late.
     pub(crate) fn late(&mut self, now: Timestamp) -> Option<Command> {
         let index = self.sent.iter().position(|command| command.deadline <= now)?;
         Some(self.sent.remove(index))
@@ -271,7 +277,7 @@ impl Commands {
         self.sent.iter().map(|command| command.deadline).min()
     }
 
-    /// The lease is over: nothing hangs on its refreshes any more.
+    /// The lease is over: nothing depends on the answers to its refreshes any more.
     pub(crate) fn forget_lease(&mut self) {
         for command in &mut self.sent {
             if matches!(command.purpose, Purpose::Lease(_)) {
@@ -280,7 +286,7 @@ impl Commands {
         }
     }
 
-    /// Station keeping is over: nothing hangs on its commands any more.
+    /// Station keeping is over: nothing depends on the answers to its commands any more.
     pub(crate) fn forget_station(&mut self) {
         for command in &mut self.sent {
             if matches!(command.purpose, Purpose::Station(_)) {
@@ -289,7 +295,7 @@ impl Commands {
         }
     }
 
-    /// The plan is asked for anew: an earlier series is not it.
+    /// We ask for the plan again: the answer to an earlier request does not count any more.
     pub(crate) fn forget_plan(&mut self) {
         for command in &mut self.sent {
             if command.purpose == Purpose::Plan {
@@ -298,14 +304,14 @@ impl Commands {
         }
     }
 
-    /// The link is gone: no answer comes.
+    /// The link is gone: no answer will come.
     pub(crate) fn clear(&mut self) {
         self.sent.clear();
         self.answers_early = false;
     }
 }
 
-/// Whether a text has a message's name among its words, `NVG` or `BFNVG`.
+/// Whether a text has a message's name among its words, as `NVG` or `BFNVG`.
 fn names(text: &str, message: &str) -> bool {
     text.split(|character: char| !character.is_ascii_alphanumeric())
         .any(|word| word.strip_prefix("BF").unwrap_or(word) == message)
@@ -344,7 +350,7 @@ mod tests {
         TimeOfDay::from_nanos(millis * 1_000_000).unwrap()
     }
 
-    /// What a connection begins with.
+    /// The commands that begin a connection.
     fn begun() -> Commands {
         let mut commands = Commands::default();
         commands.push(command("VER", Some(at(1)), Purpose::Early, 2));
@@ -361,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_answers_when_asked_to_answers_from_the_asking_on() {
+    fn without_early_answers_the_first_answer_is_to_the_first_subscription() {
         let mut commands = begun();
         for index in 1..MESSAGES.len() {
             let log = ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Succeeded, "log set");
@@ -371,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_answers_unasked_answers_from_the_beginning() {
+    fn with_early_answers_the_first_answer_is_to_the_first_command() {
         for first in [
             ack("VER", at(1), AckStatus::Succeeded, ""),
             ack("NAK", TimeOfDay::MIDNIGHT, AckStatus::Invalid, "what"),
@@ -387,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn a_subscription_that_the_answer_names_is_the_one() {
+    fn an_answer_is_to_the_subscription_that_it_names() {
         let mut commands = begun();
         let log = |text| ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Failed, text);
         assert_eq!(
@@ -405,7 +411,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_refusal_of_what_could_not_be_read_lacks_the_echo() {
+    fn only_the_refusal_of_an_unreadable_command_may_lack_the_echo() {
         let mut commands = Commands::default();
         commands.push(command("RMB", Some(at(7)), Purpose::Lease(1), 2));
         commands.push(command("RMB", Some(at(8)), Purpose::Lease(2), 2));
@@ -428,17 +434,17 @@ mod tests {
     }
 
     #[test]
-    fn what_hangs_on_a_command_is_never_forgotten_for_want_of_room() {
+    fn a_command_with_consequences_is_never_dropped_for_lack_of_room() {
         let mut commands = Commands::default();
         assert!(commands.push(insert(Purpose::Courtesy)));
         for request in 0..COMMANDS_MAX as u64 {
             assert!(commands.push(insert(Purpose::Insert(request))), "{request}");
         }
-        assert!(!commands.push(insert(Purpose::Insert(999))), "it is not sent then");
         assert!(
-            commands.push(insert(Purpose::Courtesy)),
-            "it is sent, and its answer is nobody's"
+            !commands.push(insert(Purpose::Insert(999))),
+            "not sent, because there is no room"
         );
+        assert!(commands.push(insert(Purpose::Courtesy)), "sent, but not remembered");
         assert!(commands.push(insert(Purpose::Ending(1000))));
         let mut late = Vec::new();
         while let Some(command) = commands.late(Timestamp::ZERO) {

@@ -23,7 +23,7 @@ impl Dispatch {
         }
     }
 
-    /// The same, of an insert that is named.
+    /// Adds the identifier of the insert that the command names.
     pub(crate) const fn naming(mut self, identifier: BehaviorId) -> Self {
         self.identifier = Some(identifier);
         self
@@ -37,7 +37,7 @@ impl Dispatch {
         self.identifier
     }
 
-    /// What its answer will be known by.
+    /// The record by which its answer is recognised.
     pub(crate) fn command(&self, now: Timestamp) -> Command {
         Command {
             name: name(self.letters),

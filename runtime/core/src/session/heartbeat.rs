@@ -1,9 +1,9 @@
-//! The two-way heartbeat: whether the vehicle hears us, and how long words take on their way (SPI 4.4, 6.21, 7.25; safety
+//! The two-way heartbeat: whether the vehicle hears us, and how long messages take (SPI 4.4, 6.21, 7.25; safety
 //! requirement 023).
 //!
-//! That navigation comes says nothing of whether our words arrive. An acknowledgement echoes its command's own time, so
-//! each one is a measured round trip. A beat leaves every second so that there is always one to measure: BPSTS, or, where
-//! a vehicle acknowledges only what its section says so of, BPLOG,ACK,ON.
+//! Navigation that comes does not show that our messages arrive. An acknowledgement echoes the time of its command, so
+//! each one measures a round trip. We send a beat every second, so there is always a round trip to measure. The beat is
+//! BPSTS. Some vehicles acknowledge only the commands whose sections say so; for them the beat is BPLOG,ACK,ON.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::time::Duration;
@@ -14,56 +14,58 @@ use backseat_units::{TimeOfDay, Timestamp};
 use crate::session::name;
 use crate::vehicle::clock::Trip;
 
-/// A beat leaves so often.
+/// The period of the beat.
 pub(crate) const BEAT_EVERY: Duration = Duration::from_secs(1);
-/// A round trip speaks for the link for so long after its command left.
+/// How long a round trip is evidence for the link, counted from when its command was sent.
 const TRIP_LASTS: Duration = Duration::from_secs(3);
-/// What cannot be taken back leaves only where the vehicle has answered within this.
+/// A command that cannot be taken back is sent only if the vehicle has answered within this time.
 const JUST_NOW: Duration = Duration::from_secs(1);
-/// Who waits for an answer sends another beat where the last one left longer ago.
+/// A request that waits for an answer causes another beat if the last one was sent longer ago than this.
 const ANOTHER_AFTER: Duration = Duration::from_millis(250);
-/// So many BPSTS without an answer, and the vehicle is taken for one that does not answer them.
+/// After this many BPSTS without an answer we assume that the vehicle does not answer them.
 const BEATS_WITHOUT_ANSWER: u32 = 4;
-/// An acknowledgement of BPLOG echoes no time. No BPLOG leaves as a beat until this has passed since the last answer to
-/// one, so that none that is under way is taken for the answer to another. One that leaves sooner all the same, because it
-/// subscribes, measures nothing better than the one before it.
+/// How long to wait before a BPLOG is sent as a beat. An acknowledgement of BPLOG echoes no time, so an answer that is
+/// still under way could be taken for the answer to another BPLOG. The wait begins with the connection, with an answer
+/// while BPSTS is the beat, and with an answer that matches no BPLOG. A BPLOG that subscribes may be sent sooner. Its
+/// round trip is then counted from an earlier BPLOG, so it is never taken to be shorter than it was.
 const LOG_QUIET: Duration = Duration::from_secs(3);
-/// A BPLOG that was not answered for so long will not be.
+/// A BPLOG that has no answer after this long will not get one.
 const LOG_FORGOTTEN: Duration = Duration::from_secs(30);
-/// A command that was not answered for so long will not be.
+/// A command that has no answer after this long will not get one.
 const SENT_FORGOTTEN: Duration = Duration::from_secs(60);
-/// More commands without an answer are not remembered.
+/// How many commands without an answer are remembered.
 const SENT_MAX: usize = 64;
-/// Acknowledgements are subscribed anew so long after the last good round trip, and then as often as at the last.
+/// How long after the last good round trip we subscribe to acknowledgements again. After the third time we do so every
+/// 12 s.
 const SUBSCRIBE_AFTER: [Duration; 3] = [Duration::from_secs(3), Duration::from_secs(6), Duration::from_secs(12)];
-/// A connection that was good is reset when it has not been for so long.
+/// A connection that has had a good round trip is reset when there has been none for this long.
 const RESET_AFTER: Duration = Duration::from_secs(30);
 
-/// What carries the beat.
+/// Which message is the beat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Carrier {
     /// BPSTS.
     #[default]
     Status,
-    /// BPLOG,ACK,ON, beside the BPSTS that are not answered.
+    /// BPLOG,ACK,ON, in addition to the BPSTS that the vehicle does not answer.
     Logging,
 }
 
-/// What is to be done where the vehicle is not heard to answer.
+/// What to do if the vehicle does not answer in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Remedy {
-    /// Subscribe the acknowledgements anew.
+    /// Subscribe to acknowledgements again.
     Subscribe,
     /// Reset the connection.
     Reset,
 }
 
-/// What an acknowledgement was to the heartbeat.
+/// The round trip that an acknowledgement has measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Heard {
     pub(crate) trip: Trip,
-    /// It is as short as the mission wants it.
+    /// It is no longer than the mission allows.
     pub(crate) good: bool,
 }
 
@@ -75,12 +77,12 @@ struct Sent {
     at: Timestamp,
 }
 
-/// A BPLOG that is not answered.
+/// A BPLOG that waits for its answer.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct SentLog {
     at: Timestamp,
-    /// When the first BPLOG left whose answer may be taken for the answer to this one.
+    /// When the earliest BPLOG was sent whose answer could be taken for the answer to this one.
     since: Timestamp,
 }
 
@@ -91,24 +93,25 @@ pub(crate) struct Heartbeat {
     delay_max: Duration,
     /// Commands with a time whose first acknowledgement has not come, oldest first.
     sent: VecDeque<Sent>,
-    /// Each BPLOG that is not answered, oldest first: they are answered in their order.
+    /// Each BPLOG that waits for its answer, oldest first: the vehicle answers them in order.
     logs: VecDeque<SentLog>,
-    /// [`SentLog::since`] of the BPLOG that left last.
+    /// [`SentLog::since`] of the BPLOG that was sent last.
     logs_since: Option<Timestamp>,
-    /// Of the last answer to a BPLOG when the vehicle wrote it, and [`SentLog::since`] of what it was taken to answer.
+    /// When the vehicle wrote the last answer to a BPLOG, and [`SentLog::since`] of the BPLOG that it was taken to
+    /// answer.
     log_answered: Option<(TimeOfDay, Timestamp)>,
-    /// The BPLOG that left before acknowledgements were asked for.
+    /// When a BPLOG was sent before the subscription to acknowledgements.
     early_log: Option<Timestamp>,
-    /// No BPLOG leaves as a beat before.
+    /// No BPLOG is sent as a beat before this time.
     quiet_until: Timestamp,
-    /// The good round trip whose command left last, on this connection.
+    /// The good round trip on this connection whose command was sent last.
     good: Option<Trip>,
     /// The newest round trip on this connection, however long.
     newest: Option<Trip>,
     carrier: Carrier,
-    /// BPSTS that left on this connection before one was answered.
+    /// How many BPSTS were sent on this connection since the vehicle last answered one.
     unanswered_beats: u32,
-    /// Since when there has been no good round trip, or the connection.
+    /// When the command of the last good round trip was sent, or when the connection began if there has been none.
     lost_at: Timestamp,
     remedies: u32,
     /// Commands that this vehicle has ever answered.
@@ -136,7 +139,7 @@ impl Heartbeat {
         }
     }
 
-    /// A new connection. What the vehicle answers and what not is its habit, and stays.
+    /// Begins a new connection. Which commands the vehicle answers is a property of the vehicle, so it is kept.
     pub(crate) fn begin(&mut self, now: Timestamp) {
         let fresh = Self::new(self.delay_max);
         *self = Self {
@@ -148,7 +151,7 @@ impl Heartbeat {
         };
     }
 
-    /// A command has left. `early` is before acknowledgements were asked for.
+    /// A command has been sent. `early` means before the subscription to acknowledgements.
     pub(crate) fn left(&mut self, now: Timestamp, command: CommandName, created: Option<TimeOfDay>, early: bool) {
         match created {
             Some(created) => {
@@ -170,8 +173,8 @@ impl Heartbeat {
                 if self.logs.len() >= SENT_MAX {
                     self.logs.pop_front();
                 }
-                // An answer does not say to which BPLOG it is: one that comes twice is taken for that of the next, and so
-                // are those after it, until none is under way.
+                // An answer does not say which BPLOG it answers. If one comes twice, the second is taken for the answer
+                // to the next BPLOG, and so on, until no BPLOG is under way.
                 let alone = self.logs.is_empty() && now >= self.quiet_until;
                 let since = self.logs_since.filter(|_| !alone).unwrap_or(now);
                 self.logs_since = Some(since);
@@ -181,8 +184,9 @@ impl Heartbeat {
         }
     }
 
-    /// An acknowledgement has come: the round trip that it ends, where it is the first answer to a command that is known.
-    /// Where several commands may be meant, the oldest: its trip is the longest, and none is taken for shorter than it was.
+    /// Handles an acknowledgement. Returns the round trip that it ends, if it is the first answer to a known command.
+    /// If it may answer several commands, the oldest counts: its round trip is the longest, so none is taken to be
+    /// shorter than it was.
     pub(crate) fn acknowledged(&mut self, now: Timestamp, ack: &Acknowledgement) -> Option<Heard> {
         let sent = if ack.command == name("LOG") {
             self.log_answered(now, ack.created)?
@@ -195,7 +199,7 @@ impl Heartbeat {
             if sent.name == name("VER")
                 && let Some(early) = self.early_log.take()
             {
-                // It answers what came before it was asked to answer.
+                // This vehicle answers commands that were sent before the subscription to acknowledgements.
                 self.logs.push_front(SentLog {
                     at: early,
                     since: early,
@@ -220,9 +224,10 @@ impl Heartbeat {
     }
 
     fn log_answered(&mut self, now: Timestamp, created: TimeOfDay) -> Option<Timestamp> {
-        // It has answered one that was subscribed, and not the one before.
+        // The vehicle has not answered BPVER, so it does not answer the early BPLOG either.
         self.early_log = None;
-        // What left alone was sent after the last answer had come, and cannot have been answered when that was written.
+        // A BPLOG with a later `since` was sent after the last answer had come, so an answer that was written at the
+        // same time as that one is not its own.
         let repeats = |log: &SentLog| {
             self.log_answered
                 .is_some_and(|(written, since)| written == created && log.since > since)
@@ -239,7 +244,7 @@ impl Heartbeat {
         Some(since)
     }
 
-    /// Whether the vehicle hears us: a good round trip whose command left less than 3 s ago.
+    /// Whether the vehicle hears us: a good round trip whose command was sent less than 3 s ago.
     pub(crate) fn is_heard(&self, now: Timestamp) -> bool {
         self.good.is_some_and(|trip| now.since(trip.sent) < TRIP_LASTS)
     }
@@ -254,13 +259,14 @@ impl Heartbeat {
         self.newest
     }
 
-    /// When the newest good round trip will no longer speak for the link.
+    /// When the newest good round trip stops being evidence for the link.
     pub(crate) fn lapses_at(&self) -> Option<Timestamp> {
         self.good.map(|trip| trip.sent + TRIP_LASTS)
     }
 
-    /// Whether the vehicle has just answered, and nothing that it would have answered has left since: what cannot be taken
-    /// back may leave. It reads in order, so that it has read what left before.
+    /// Whether a command that cannot be taken back may be sent: the vehicle has just answered, and no command that it
+    /// would answer has been sent since. The vehicle reads in order, so it has also read everything that was sent
+    /// before the answered command.
     pub(crate) fn has_just_answered(&self, now: Timestamp) -> bool {
         let Some(trip) = self.good else { return false };
         let just = now.since(trip.received) <= JUST_NOW && now.since(trip.sent) <= 2 * JUST_NOW;
@@ -268,7 +274,7 @@ impl Heartbeat {
         just && self.logs.iter().all(|log| log.at <= trip.sent) && !self.sent.iter().any(waits)
     }
 
-    /// Whether a beat has only just left, so that its answer is as good as another one's.
+    /// Whether a beat was sent so recently that its answer is as good as the answer to another one.
     pub(crate) fn beat_is_under_way(&self, now: Timestamp) -> bool {
         let recent = |at: Timestamp| now.since(at) < ANOTHER_AFTER;
         match self.carrier {
@@ -277,7 +283,7 @@ impl Heartbeat {
         }
     }
 
-    /// Whether a BPLOG is to leave as the beat of this second. Asked once for each BPSTS, before it leaves.
+    /// Whether to send a BPLOG as the beat of this second. Called once for each BPSTS, before it is sent.
     pub(crate) fn needs_log(&mut self, now: Timestamp) -> bool {
         if self.carrier == Carrier::Status
             && self.unanswered_beats >= BEATS_WITHOUT_ANSWER
@@ -296,7 +302,7 @@ impl Heartbeat {
         }
     }
 
-    /// When the next remedy is due where no good round trip comes before.
+    /// When the next remedy is due if no good round trip comes before.
     pub(crate) fn remedy_at(&self) -> Timestamp {
         let [first, second, third] = SUBSCRIBE_AFTER;
         let after = match self.remedies {
@@ -305,8 +311,8 @@ impl Heartbeat {
             more => third * (more - 1),
         };
         let subscribe = self.lost_at + after;
-        // Where BPLOG is the beat and one of it was lost, each answer would be taken for that of the one before for ever. So
-        // none leaves until all that are under way would have been answered.
+        // If BPLOG is the beat and an answer to one was lost, each later answer would be taken for the answer to the
+        // BPLOG before, for ever. So none is sent until all that are under way would have been answered.
         let subscribe = match self.logs.back() {
             Some(last) if self.carrier == Carrier::Logging && self.remedies >= 3 => {
                 subscribe.max(last.at + LOG_FORGOTTEN)
@@ -319,7 +325,7 @@ impl Heartbeat {
         }
     }
 
-    /// What is to be done now, where something is.
+    /// The remedy that is due now, if any.
     pub(crate) fn remedy(&mut self, now: Timestamp) -> Option<Remedy> {
         if now < self.remedy_at() {
             return None;
@@ -333,7 +339,7 @@ impl Heartbeat {
         Some(Remedy::Subscribe)
     }
 
-    /// How often acknowledgements have been subscribed anew since the last good round trip.
+    /// How many times we have subscribed to acknowledgements again since the last good round trip.
     pub(crate) const fn remedies(&self) -> u32 {
         self.remedies
     }
@@ -366,7 +372,7 @@ mod tests {
         }
     }
 
-    /// An answer to a BPLOG, written then.
+    /// An answer to a BPLOG, written at this time.
     fn log_answer(millis: u64) -> Acknowledgement {
         Acknowledgement {
             created: stamp(millis),
@@ -380,14 +386,14 @@ mod tests {
         heartbeat
     }
 
-    /// BPSTS at one time, and its answer at another.
+    /// Sends a BPSTS at one time, and its answer comes at another.
     fn beat(heartbeat: &mut Heartbeat, sent: u64, answered: u64) -> Option<Heard> {
         heartbeat.left(at(sent), name("STS"), Some(stamp(sent)), false);
         heartbeat.acknowledged(at(answered), &ack("STS", EchoedTime::of(stamp(sent))))
     }
 
     #[test]
-    fn sr_023_a_good_round_trip_speaks_for_3_s_from_when_its_command_left() {
+    fn sr_023_a_good_round_trip_counts_for_3_s_from_when_its_command_was_sent() {
         let mut heartbeat = connected();
         assert!(!heartbeat.is_heard(at(0)));
         assert!(beat(&mut heartbeat, 100, 1100).unwrap().good);
@@ -396,11 +402,14 @@ mod tests {
         assert!(!beat(&mut heartbeat, 3000, 4001).unwrap().good);
         assert!(!heartbeat.is_heard(at(4001)));
         heartbeat.begin(at(4100));
-        assert!(!heartbeat.is_heard(at(4100)), "another connection's");
+        assert!(
+            !heartbeat.is_heard(at(4100)),
+            "the round trip was on another connection"
+        );
     }
 
     #[test]
-    fn sr_023_only_the_first_answer_to_what_was_sent_counts() {
+    fn sr_023_only_the_first_answer_to_a_sent_command_counts() {
         let mut heartbeat = connected();
         assert!(beat(&mut heartbeat, 100, 110).is_some());
         let again = ack("STS", EchoedTime::of(stamp(100)));
@@ -413,7 +422,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_an_echo_that_may_mean_two_is_the_older_ones() {
+    fn sr_023_an_echo_that_matches_two_commands_counts_for_the_older() {
         let mut heartbeat = connected();
         heartbeat.left(at(100), name("RMB"), Some(stamp(100)), false);
         heartbeat.left(at(300), name("RMB"), Some(stamp(300)), false);
@@ -423,7 +432,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_where_status_is_not_answered_and_other_things_are_a_subscription_serves_one_at_a_time() {
+    fn sr_023_if_only_status_is_not_answered_subscriptions_are_the_beat_one_at_a_time() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("LOG"), None, false);
         assert!(heartbeat.acknowledged(at(10), &log_answer(9)).unwrap().good);
@@ -440,16 +449,16 @@ mod tests {
             }
             heartbeat.left(at(now), name("STS"), Some(stamp(now)), false);
         }
-        // The one that left at 10 s is not answered, and none follows it.
+        // The BPLOG that was sent at 10 s is not answered, and no other follows it.
         assert_eq!(logs, [4, 5, 6, 7, 8, 9, 10]);
         assert!(!heartbeat.is_heard(at(20_000)));
-        // Its answer comes at last, and is its own.
+        // Its answer comes late, and is taken for its own.
         let late = heartbeat.acknowledged(at(20_500), &log_answer(20_400)).unwrap();
         assert!(!late.good && late.trip.lasted() > Duration::from_secs(10));
     }
 
     #[test]
-    fn sr_023_an_answer_to_a_subscription_that_is_lost_costs_a_minute_and_not_the_day() {
+    fn sr_023_a_lost_answer_to_a_subscription_costs_a_minute_and_not_the_day() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("LOG"), None, false);
         heartbeat.acknowledged(at(10), &log_answer(9));
@@ -475,14 +484,15 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_an_answer_that_comes_twice_makes_no_round_trip_of_the_next_subscription() {
+    fn sr_023_a_repeated_answer_is_no_round_trip_of_the_next_subscription() {
         let mut heartbeat = connected();
         let subscribe = |heartbeat: &mut Heartbeat, millis| {
             for _ in 0..3 {
                 heartbeat.left(at(millis), name("LOG"), None, false);
             }
         };
-        // The vehicle hears us after 2 s, by when all is sent again. One of its answers comes twice, and then the others.
+        // The vehicle hears us only after 2 s, when everything has been sent again. One of its answers comes twice, and
+        // then the others come.
         subscribe(&mut heartbeat, 0);
         subscribe(&mut heartbeat, 2000);
         for (answered, written) in [
@@ -500,9 +510,9 @@ mod tests {
         assert_eq!(
             heartbeat.acknowledged(at(4011), &log_answer(4000)),
             None,
-            "the last of them"
+            "no BPLOG waits for an answer"
         );
-        // What is under way by now may be a fourth one's.
+        // An answer that is under way now could belong to an earlier BPLOG.
         heartbeat.left(at(5000), name("LOG"), None, false);
         assert!(!heartbeat.acknowledged(at(5010), &log_answer(5005)).unwrap().good);
         heartbeat.left(at(8010), name("LOG"), None, false);
@@ -510,7 +520,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_where_subscriptions_carry_the_beat_an_answer_that_comes_twice_is_one() {
+    fn sr_023_if_subscriptions_are_the_beat_a_repeated_answer_counts_once() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("LOG"), None, false);
         heartbeat.acknowledged(at(10), &log_answer(9));
@@ -520,7 +530,7 @@ mod tests {
         assert!(heartbeat.needs_log(at(5000)));
         heartbeat.left(at(5000), name("LOG"), None, false);
         assert!(!heartbeat.acknowledged(at(8000), &log_answer(6500)).unwrap().good);
-        // The same answer once more, when the next has just left.
+        // The same answer comes again when the next BPLOG has just been sent.
         heartbeat.left(at(8000), name("LOG"), None, false);
         assert_eq!(heartbeat.acknowledged(at(8001), &log_answer(6500)), None);
         assert!(!heartbeat.is_heard(at(8001)) && !heartbeat.needs_log(at(9000)));
@@ -530,7 +540,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_answers_nothing_is_not_taken_for_one_that_answers_subscriptions() {
+    fn a_vehicle_that_answers_nothing_gets_no_subscriptions_as_beats() {
         let mut heartbeat = connected();
         for second in 0..60u64 {
             assert!(!heartbeat.needs_log(at(second * 1000)));
@@ -539,7 +549,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_answers_unasked_has_its_answers_counted_from_the_first() {
+    fn with_early_answers_round_trips_count_from_the_first_command() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("VER"), Some(stamp(0)), true);
         heartbeat.left(at(0), name("LOG"), None, true);
@@ -552,7 +562,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_what_cannot_be_taken_back_needs_an_answer_of_this_second_and_none_outstanding() {
+    fn sr_023_an_irrevocable_command_needs_an_answer_of_this_second_and_none_outstanding() {
         let mut heartbeat = connected();
         beat(&mut heartbeat, 1000, 1010);
         assert!(heartbeat.has_just_answered(at(2010)) && !heartbeat.has_just_answered(at(2011)));
@@ -560,13 +570,13 @@ mod tests {
         heartbeat.left(at(2020), name("STS"), Some(stamp(2020)), false);
         assert!(!heartbeat.has_just_answered(at(2030)), "a beat is under way");
         heartbeat.acknowledged(at(2040), &ack("STS", EchoedTime::of(stamp(2020))));
-        // What this vehicle has never answered is not waited for.
+        // A kind of command that this vehicle has never answered is not waited for.
         heartbeat.left(at(2050), name("MSG"), Some(stamp(2050)), false);
         assert!(heartbeat.has_just_answered(at(2060)));
     }
 
     #[test]
-    fn acknowledgements_are_subscribed_anew_after_3_6_and_12_s_and_a_good_connection_is_reset_after_30() {
+    fn acknowledgements_are_subscribed_again_after_3_6_and_12_s_and_a_good_connection_is_reset_after_30() {
         let mut heartbeat = connected();
         beat(&mut heartbeat, 1000, 1010);
         let mut done = Vec::new();

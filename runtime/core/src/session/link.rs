@@ -7,7 +7,8 @@ use crate::session::heartbeat::Heartbeat;
 use crate::session::reads::Reads;
 use crate::session::subscriptions::Subscriptions;
 
-/// What is known of the connection: whether it is up, what the vehicle owes an answer to, and whether it hears us.
+/// What we know of the connection: whether it is up, which commands wait for an answer, and whether the vehicle hears
+/// us.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Link {
@@ -16,7 +17,7 @@ pub(crate) struct Link {
     pub(crate) heartbeat: Heartbeat,
     pub(crate) subscriptions: Subscriptions,
     reads: Reads,
-    /// Somebody waits for an answer of the vehicle: a beat is due before its time.
+    /// A request waits until the vehicle answers anything: a beat is due early.
     pub(crate) wants_beat: bool,
 }
 
@@ -36,7 +37,7 @@ impl Link {
         self.up
     }
 
-    /// A new connection: nothing is subscribed on it, nothing under way.
+    /// A new connection: nothing is subscribed on it, and no command waits for an answer.
     pub(crate) fn begin(&mut self, now: Timestamp) {
         self.up = true;
         self.commands.clear();
@@ -45,17 +46,17 @@ impl Link {
         self.reads.begin(now);
     }
 
-    /// The connection is gone: no answer comes.
+    /// The connection is gone: no answer will come.
     pub(crate) const fn end(&mut self) {
         self.up = false;
     }
 
-    /// Something is read.
+    /// Bytes have been read.
     pub(crate) fn read(&mut self, now: Timestamp) {
         self.reads.read(now);
     }
 
-    /// The longest that what is read now can have waited.
+    /// The longest time for which the bytes that are read now can have waited.
     pub(crate) fn waited(&self) -> Duration {
         self.reads.waited()
     }

@@ -1,16 +1,16 @@
-//! Since when what is read now can have waited to be read: a process that was stopped, and a link that stood still, let
-//! the vehicle's sentences pile up, and their own times tell how old they are only as far as its clock can be believed.
+//! How long the bytes that are read now can have waited before. While our process is stopped or the link stands still,
+//! the vehicle's sentences pile up. The times in them tell their age only as far as the vehicle's clock can be trusted.
 
 use std::time::Duration;
 
 use backseat_units::Timestamp;
 
-/// After a pause of this in what comes all has been read that there was.
+/// If no bytes come for this long, everything that had piled up has been read.
 const PAUSE: Duration = Duration::from_millis(100);
-/// What piled up is read within this.
+/// Everything that has piled up is read within this time.
 const READ_WITHIN: Duration = Duration::from_secs(2);
 
-/// When the link was read.
+/// When bytes were read from the link.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Reads {
@@ -21,12 +21,12 @@ pub(crate) struct Reads {
 }
 
 impl Reads {
-    /// A new connection: nothing on it is older.
+    /// A new connection: nothing that comes on it is older.
     pub(crate) const fn begin(&mut self, now: Timestamp) {
         (self.last, self.paused, self.resumed) = (now, now, now);
     }
 
-    /// Something is read.
+    /// Bytes have been read.
     pub(crate) fn read(&mut self, now: Timestamp) {
         if now.since(self.last) >= PAUSE {
             (self.paused, self.resumed) = (self.last, now);
@@ -34,7 +34,7 @@ impl Reads {
         self.last = now;
     }
 
-    /// The longest that what is read now can have waited.
+    /// The longest time for which the bytes that are read now can have waited.
     pub(crate) fn waited(&self) -> Duration {
         if self.last.since(self.resumed) <= READ_WITHIN {
             self.last.since(self.paused)
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_read_after_a_pause_may_be_as_old_as_the_pause_until_all_has_been_read() {
+    fn bytes_after_a_pause_may_be_as_old_as_the_pause_until_all_have_been_read() {
         let at = Timestamp::from_millis;
         let mut reads = Reads::default();
         reads.begin(at(1000));
@@ -57,14 +57,14 @@ mod tests {
             reads.read(at(millis));
         }
         assert_eq!(reads.waited(), Duration::from_millis(250));
-        // Stopped for ten seconds; what piled up is read in three goes.
+        // The process is stopped for ten seconds. Then it reads what has piled up in three parts.
         for (millis, waited_ms) in [(11_500, 10_000), (11_501, 10_001), (11_540, 10_040)] {
             reads.read(at(millis));
             assert_eq!(reads.waited(), Duration::from_millis(waited_ms));
         }
         reads.read(at(11_750));
         assert_eq!(reads.waited(), Duration::from_millis(210));
-        // Without a pause for long: it is being kept up with.
+        // No pause for a long time: we keep up with the link.
         for tick in 1..100 {
             reads.read(at(11_750 + 50 * tick));
         }

@@ -1,17 +1,17 @@
-//! Which status messages are asked for, and in which order (SPI 7.1).
+//! Which status messages we subscribe to, and in which order (SPI 7.1).
 
 use crate::monitor::limits::Grant;
 use crate::plugin::Topic;
 use crate::settings::PluginSetup;
 
-/// BFACK: what is sent before this subscription is not acknowledged.
+/// BFACK: the vehicle need not acknowledge what is sent before this subscription.
 pub(crate) const ACKNOWLEDGEMENTS: &str = "ACK";
 
-/// BFCTL before all: real vehicles send it only on the transition, and who subscribes late misses the hand-over. The
-/// acknowledgements next, and BFCTL once more, so that it is acknowledged too.
+/// BFCTL comes first: real vehicles send it only when control changes, and a late subscription would miss the
+/// hand-over. The acknowledgements come next, and BFCTL comes once more, so that its subscription is acknowledged too.
 const ALWAYS: [&str; 8] = ["CTL", ACKNOWLEDGEMENTS, "MIS", "CTL", "NVG", "NVR", "MBS", "MBE"];
 
-/// What a topic needs. Command messages come unasked (SPI 4.3).
+/// The messages that a topic needs. Command messages come without a subscription (SPI 4.3).
 const fn of_topic(topic: Topic) -> &'static [&'static str] {
     match topic {
         Topic::MissionCommand | Topic::Behavior | Topic::Logging | Topic::Topside | Topic::Plan => &[],
@@ -34,7 +34,7 @@ const fn of_topic(topic: Topic) -> &'static [&'static str] {
     }
 }
 
-/// What a grant needs to be watched over.
+/// The messages that core needs to supervise what a grant allows.
 const fn of_grant(grant: Grant) -> &'static [&'static str] {
     match grant {
         Grant::Modify
@@ -53,12 +53,12 @@ const fn of_grant(grant: Grant) -> &'static [&'static str] {
     }
 }
 
-/// The subscriptions of a run, in the order that they are sent, and how far each is.
+/// The subscriptions of a run, in the order in which they are sent, and the state of each.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Subscriptions {
     subjects: Vec<&'static str>,
-    /// Which of them the vehicle has acknowledged, or has sent the data of, on this connection.
+    /// Which of them the vehicle has acknowledged on this connection, or whose message it has sent.
     confirmed: Vec<bool>,
     /// How often each has been sent on this connection without an answer.
     unanswered: Vec<u32>,
@@ -69,7 +69,7 @@ pub(crate) struct Subscriptions {
 }
 
 impl Subscriptions {
-    /// What is always needed, and what topics and grants of the plugins need.
+    /// The messages that are always needed, and those that the topics and grants of the plugins need.
     pub(crate) fn new(plugins: &[PluginSetup]) -> Self {
         let mut subjects = ALWAYS.to_vec();
         let wanted = plugins.iter().flat_map(|plugin| {
@@ -103,12 +103,12 @@ impl Subscriptions {
         self.subjects[index]
     }
 
-    /// Whether the vehicle has acknowledged a subscription on this connection, or sent its data.
+    /// Whether the vehicle has acknowledged a subscription on this connection, or sent its message.
     pub(crate) fn is_confirmed(&self, index: usize) -> bool {
         self.confirmed[index]
     }
 
-    /// The same of a message, `CTL`.
+    /// Whether the subscription to a message, such as `CTL`, is confirmed.
     pub(crate) fn has(&self, message: &str) -> bool {
         let mut both = self.subjects.iter().zip(&self.confirmed);
         both.any(|(subject, confirmed)| *subject == message && *confirmed)
@@ -120,15 +120,15 @@ impl Subscriptions {
         self.doubt_all();
     }
 
-    /// The vehicle may have none of them.
+    /// No subscription is confirmed any more.
     pub(crate) fn doubt_all(&mut self) {
         self.confirmed.fill(false);
         self.unanswered.fill(0);
         self.unconfirmed = self.subjects.len();
     }
 
-    /// The vehicle may not have the subscription to a message, though it seemed to be answered: the answers to BPLOG do not
-    /// say to which (SPI 7.1). Its place in the list.
+    /// The vehicle may not have the subscription to a message, although it seemed to acknowledge it: acknowledgements
+    /// of BPLOG do not say which one they answer (SPI 7.1). Returns the subscription's place in the list.
     pub(crate) fn doubt(&mut self, message: &str) -> Option<usize> {
         let index = self.subjects.iter().position(|known| *known == message)?;
         self.unanswered[index] = 0;
@@ -138,8 +138,8 @@ impl Subscriptions {
         Some(index)
     }
 
-    /// One is about to be sent: its message, and how often it was sent before without an answer; `None` before
-    /// acknowledgements are asked for.
+    /// A subscription is about to be sent. Returns its message, and how often it was sent before without an answer;
+    /// `None` before the subscription to acknowledgements.
     pub(crate) fn asked(&mut self, index: usize) -> (&'static str, Option<u32>) {
         let subject = self.subjects[index];
         self.acknowledged |= subject == ACKNOWLEDGEMENTS;
@@ -151,7 +151,7 @@ impl Subscriptions {
         (subject, unanswered)
     }
 
-    /// A message has come, `BFNVG`: its subscription stands, whatever became of the acknowledgement.
+    /// A message such as `BFNVG` has come: this confirms its subscription, with or without an acknowledgement.
     pub(crate) fn confirm_by_data(&mut self, message: &str) {
         if self.unconfirmed == 0 {
             return;

@@ -1,7 +1,7 @@
-//! External sources: the operator's own programs that feed what no plugin may (SPI 7.14, 7.15, 7.21, 8.8, 8.9).
+//! External sources: the operator's own programs that may send what no plugin may (SPI 7.14, 7.15, 7.21, 8.8, 8.9).
 //!
-//! An external source speaks the sentence that it wants sent, as it would to the vehicle; the runtime checks that the
-//! mission lets it, bounds it, stamps it anew, sends it, and answers with the vehicle's own BFACK.
+//! An external source sends the sentence as it would send it to the vehicle. The runtime checks that the mission allows
+//! it and that its values are in bounds, gives it a new timestamp, sends it, and answers with the vehicle's own BFACK.
 
 use backseat_spi::{BearingOffset, PayloadCtd, PositionFix, RelativeReset, ToVehicle, TopsideRelay};
 use serde::{Deserialize, Serialize};
@@ -33,7 +33,7 @@ pub enum ExternalSentence {
 }
 
 impl ExternalSentence {
-    /// The sentence of a message; `None` for all that are no external source's.
+    /// The sentence of a message; `None` for a message that no external source may send.
     pub(crate) fn of(message: &ToVehicle) -> Option<Self> {
         match message.name() {
             TopsideRelay::NAME => Some(Self::Relay),
@@ -45,7 +45,7 @@ impl ExternalSentence {
         }
     }
 
-    /// The three letters that it is acknowledged by.
+    /// The three letters by which it is acknowledged.
     #[must_use]
     pub const fn letters(self) -> &'static str {
         match self {
@@ -76,7 +76,7 @@ pub struct ExternalSetup {
     pub name: String,
     /// What it may send.
     pub sends: Vec<ExternalSentence>,
-    /// The figures that it may send, and how often.
+    /// The values that it may send, and how often.
     #[serde(default)]
     pub bounds: ExternalBounds,
 }

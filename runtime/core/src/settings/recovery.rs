@@ -2,26 +2,29 @@ use serde::{Deserialize, Serialize};
 
 use crate::monitor::limits::LimitError;
 
-/// The ladder of a mission: its `[recovery]` table. Times count from when the vehicle was first outside, while it is.
+/// The steps of recovery: the `[recovery]` table of a mission. Times count from when the vehicle was first outside.
+/// Time that it spends inside in between does not count.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Recovery {
-    /// After how long outside the vehicle counts as outside, and leases end, seconds.
+    /// After how long the vehicle counts as outside, seconds. Leases end then.
     pub outside_for_s: f64,
-    /// After how long outside our inserts that have not begun are cancelled, seconds.
+    /// After how long outside the runtime cancels our inserts that have not begun, seconds.
     pub cancel_after_s: f64,
-    /// Whether the insert of ours that is flown is ended with them (BPRCB, SPI 7.10), where the way that remains holds.
+    /// Whether the runtime then also ends the insert of ours that is being flown (BPRCB, SPI 7.10), if the way that
+    /// remains is inside the fence.
     pub cancel_current: bool,
-    /// After how long outside the vehicle's log and the topside are told, seconds.
+    /// After how long outside the runtime reports it in the vehicle's log and to the topside, seconds.
     pub tell_after_s: f64,
-    /// Whether the topside is told (BPTOP, SPI 7.3), or the vehicle's log alone (BPMSG, 7.1).
+    /// Whether the runtime reports it to the topside too (BPTOP, SPI 7.3), or in the vehicle's log alone (BPMSG, SPI
+    /// 7.1).
     pub tell_topside: bool,
-    /// After how long outside the vehicle's mission is aborted (BPABT, SPI 7.16), seconds: never where it is absent.
+    /// After how long outside the runtime aborts the vehicle's mission (BPABT, SPI 7.16), seconds; never if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub abort_after_s: Option<f64>,
-    /// How far inside the vehicle must be to be inside again, metres beyond the margin.
+    /// How far inside the vehicle must be to count as inside again, metres beyond the margin.
     pub back_by_m: f64,
-    /// For how long, seconds.
+    /// For how long it must be there, seconds.
     pub back_for_s: f64,
 }
 
@@ -41,10 +44,10 @@ impl Default for Recovery {
 }
 
 impl Recovery {
-    /// Every figure within what it can mean, the steps in their order.
+    /// Checks that every value is in its range, and that the steps are in order.
     ///
     /// # Errors
-    /// [`LimitError`] names the first key that is not.
+    /// [`LimitError`] names the first key whose value is not.
     pub fn validate(&self) -> Result<(), LimitError> {
         const LONGEST_S: f64 = 3600.0;
         let fault = |key, value, expected| Err(LimitError { key, value, expected });

@@ -2,51 +2,52 @@ use std::time::Duration;
 
 use backseat_units::{TimeOfDay, Timestamp, Utc};
 
-/// How fast two clocks may drift apart at worst: 100 ppm, some ten times a plain crystal's drift.
+/// How fast two clocks may drift apart at worst: 100 ppm, about ten times the drift of a plain crystal.
 const DRIFT_NANOS_PER_SECOND: i64 = 100_000;
 const SECOND_NANOS: i64 = 1_000_000_000;
 const HALF_A_DAY_NANOS: i64 = 43_200 * SECOND_NANOS;
-/// Where in its day the leap second begins.
+/// The time of day at which a leap second begins.
 const LEAP_AT_NANOS: i64 = 2 * HALF_A_DAY_NANOS;
-/// The leap second is believed of a message that was under way no longer than this: one that names it at another time
-/// of the day has a wrong clock.
+/// A timestamp that names a leap second is believed only if its message was on its way no longer than this. A timestamp
+/// that names one at another time of the day comes from a wrong clock.
 const LEAP_WITHIN_NANOS: i64 = 900_000_000;
-/// The new day comes within this after the leap second was first named.
+/// The new day begins within this time after the leap second was first named.
 const LEAP_LASTS: Duration = Duration::from_secs(3);
-/// What is written then is not later in its day than this.
+/// A timestamp of the new day is earlier in its day than this.
 const NEW_DAY_NANOS: i64 = 3 * SECOND_NANOS;
-/// For so long after a leap second timestamps from before it may be met.
+/// For this long after a leap second, timestamps from before it may still come.
 const LEAP_REMEMBERED: Duration = Duration::from_secs(3600);
 
-/// The two clocks may have moved against each other by this without having been set: a vehicle may stamp what it says with
-/// the beginning of its own cycle, of 100 ms at 10 Hz.
+/// The two clocks may seem to have moved against each other by this without having been set: a vehicle may give its
+/// messages the time when its own cycle began, and at 10 Hz a cycle takes 100 ms.
 const STEP_MIN_NANOS: i64 = 100_000_000;
-/// What is written later than now by more than this has not been written yet: its clock is not the one that was measured.
+/// A timestamp that is later than now by more than this cannot have been written yet, so it is not from the clock that
+/// was measured.
 const FUTURE_NANOS: i64 = 250_000_000;
 
 /// The vehicle's clock seen from ours (safety requirement 023).
 ///
-/// An acknowledgement was written after its command left and before it came itself. So each round trip bounds the offset
-/// between the clocks on both sides, and the trips that meet bound it the closer. Nothing is learnt from what comes one
-/// way: words that are all held up from the first byte on look just like a clock that is behind. An age is counted
-/// through the side of the bounds that makes it the greatest, and is never less than the true one. The bounds are let
-/// widen by the drift of the clocks.
+/// The vehicle writes an acknowledgement after the command has left us and before the acknowledgement arrives. So each
+/// round trip bounds the offset between the clocks on both sides, and several round trips together bound it more
+/// closely. Nothing is learnt from messages of one direction: if all of them are delayed from the first byte on, that
+/// looks exactly like a clock that is slow. An age is computed with the bound that makes it the greatest, so it is
+/// never less than the true age. The bounds widen by the drift of the clocks.
 ///
 /// Times of day have no date. Offsets are brought within half a day of the first one and then compared as numbers.
 ///
-/// Our clock knows no leap seconds. Where the vehicle's has one, its new day begins a second later than ours would have
-/// it, and the offset is a second more from there on.
+/// Our clock has no leap seconds. If the vehicle's clock has one, its new day begins a second later than by our clock,
+/// and from then on the offset is a second more.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct VehicleClock {
     bounds: Option<Bounds>,
     first: Option<i64>,
-    /// How fine the acknowledgements are written, nanoseconds, as far as they have shown it.
+    /// How finely acknowledgements give the time, nanoseconds, as far as they have shown it.
     resolution: Option<i64>,
     leap: Leap,
 }
 
-/// Our clock less the vehicle's, nanoseconds: neither less nor more than this, when it was last measured.
+/// Our clock minus the vehicle's, nanoseconds: from `least` to `most` when it was last measured, at `at`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Bounds {
@@ -66,28 +67,28 @@ pub(crate) struct Trip {
 }
 
 impl Trip {
-    /// Neither way took longer.
+    /// How long the round trip took. Neither direction took longer.
     pub(crate) const fn lasted(self) -> Duration {
         self.received.since(self.sent)
     }
 }
 
-/// Where the vehicle's clock stands to a leap second.
+/// How far the vehicle's clock is through a leap second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum Leap {
     #[default]
     None,
-    /// It was named at this time.
+    /// A timestamp first named the leap second at this time.
     Begun(Timestamp),
     /// The new day began at this time.
     Over(Timestamp),
 }
 
 impl VehicleClock {
-    /// An acknowledgement of the vehicle's time `written` ends a round trip now, when our clock says `utc`. By how much
-    /// the clock has moved, nanoseconds, where the trip tells of another offset than those before it: one of the two
-    /// clocks has been set.
+    /// An acknowledgement that the vehicle wrote at `written` ends a round trip now, when our clock says `utc`. If the
+    /// trip shows another offset than those before it, one of the two clocks has been set: returns by how much,
+    /// nanoseconds.
     pub(crate) fn measure(&mut self, trip: Trip, utc: Utc, written: TimeOfDay) -> Option<i64> {
         let now = trip.received;
         self.follow_leap(now, utc, written);
@@ -122,26 +123,26 @@ impl VehicleClock {
         step
     }
 
-    /// A timestamp that arrived now says nothing of the offset, but it may name a leap second. `utc` is ours.
+    /// A timestamp that arrives now says nothing about the offset, but it may name a leap second. `utc` is ours.
     pub(crate) fn heard(&mut self, now: Timestamp, utc: Utc, written: TimeOfDay) {
         self.follow_leap(now, utc, written);
     }
 
-    /// How old a thing of the vehicle's time `written` is now, at most; `None` before the first round trip, and of what
-    /// is not written yet by the clock that was measured.
+    /// How old something with the vehicle's time `written` is now at most. `None` before the first round trip, and if
+    /// the clock that was measured has not reached `written` yet.
     pub(crate) fn age(&self, now: Timestamp, utc: Utc, written: TimeOfDay) -> Option<Duration> {
         let nanos = self.offset_of(utc, written) - self.bounds_at(now)?.least;
         (nanos >= -FUTURE_NANOS).then(|| Duration::from_nanos(u64::try_from(nanos).unwrap_or(0)))
     }
 
-    /// Our clock less the vehicle's, nanoseconds: the middle of what it may be.
+    /// Our clock minus the vehicle's, nanoseconds: the middle between the bounds.
     pub(crate) fn offset_nanos(&self, now: Timestamp) -> Option<i64> {
         let bounds = self.bounds_at(now)?;
         Some(bounds.least + (bounds.most - bounds.least) / 2)
     }
 
     /// By how much our clock and the vehicle's differ at most, the short way round midnight; `None` before the first
-    /// round trip. Ours may have been set since the start, by so many nanoseconds.
+    /// round trip. Our clock may have been set since the start, by `set_nanos` nanoseconds.
     pub(crate) fn apart(&self, now: Timestamp, set_nanos: i64) -> Option<Duration> {
         let bounds = self.bounds_at(now)?;
         let side = |side: i64| within_half_a_day(side.saturating_add(set_nanos)).unsigned_abs();
@@ -149,7 +150,7 @@ impl VehicleClock {
         Some(Duration::from_nanos(sides[0].max(sides[1])))
     }
 
-    /// The bounds, widened by what the clocks may have drifted since.
+    /// The bounds, widened by how far the clocks may have drifted since they were measured.
     fn bounds_at(&self, now: Timestamp) -> Option<Bounds> {
         let Bounds { least, most, at } = self.bounds?;
         let elapsed_s = i64::try_from(now.since(at).as_nanos() / 1_000_000).unwrap_or(i64::MAX) as f64 / 1e3;
@@ -161,18 +162,18 @@ impl VehicleClock {
         })
     }
 
-    /// What a timestamp says of the offset, nanoseconds, the first one's day kept.
+    /// The offset that a timestamp shows, nanoseconds, within half a day of the first one.
     fn offset_of(&self, utc: Utc, written: TimeOfDay) -> i64 {
         let mut offset = utc.time_of_day().nanos_since(written);
         if matches!(self.leap, Leap::Over(_)) && nanos(written) >= HALF_A_DAY_NANOS {
-            // From before the new day, with the leap second between.
+            // It was written before the new day, so the leap second lies between.
             offset += SECOND_NANOS;
         }
         self.first
             .map_or(offset, |first| first + within_half_a_day(offset - first))
     }
 
-    /// Takes note of a leap second and of its end, from the first timestamp after it.
+    /// Notices a leap second, and its end by the first timestamp after it.
     fn follow_leap(&mut self, now: Timestamp, utc: Utc, written: TimeOfDay) {
         match self.leap {
             Leap::None if nanos(written) >= LEAP_AT_NANOS => {
@@ -203,7 +204,8 @@ fn nanos(time: TimeOfDay) -> i64 {
     i64::try_from(time.as_nanos()).expect("a time of day is below 86 401 s")
 }
 
-/// How fine a time has been written at least, nanoseconds: one that ends in noughts may have had no more decimals.
+/// The coarsest unit in which a time may have been written, nanoseconds: a time that ends in zeros may have had no more
+/// decimals.
 fn resolution_nanos(time: TimeOfDay) -> i64 {
     let nanos = nanos(time);
     let resolutions = [SECOND_NANOS, SECOND_NANOS / 10, SECOND_NANOS / 100];
@@ -211,8 +213,8 @@ fn resolution_nanos(time: TimeOfDay) -> i64 {
     coarse.unwrap_or(SECOND_NANOS / 1000)
 }
 
-/// From one time of the vehicle's clock to another that was written after it, nanoseconds: the short way round midnight,
-/// with the leap second where the earlier one is in it.
+/// From one time of the vehicle's clock to another, nanoseconds, negative if the second is earlier: the short way round
+/// midnight. It includes the leap second if the earlier one is in it and the later one in the new day.
 pub(crate) fn elapsed_nanos(from: TimeOfDay, to: TimeOfDay) -> i64 {
     let elapsed = to.nanos_since(from);
     if nanos(from) >= LEAP_AT_NANOS && nanos(to) < HALF_A_DAY_NANOS {
@@ -224,7 +226,7 @@ pub(crate) fn elapsed_nanos(from: TimeOfDay, to: TimeOfDay) -> i64 {
     }
 }
 
-/// The same difference of times of day, the short way round midnight.
+/// A difference of times of day, brought within half a day: the short way round midnight.
 fn within_half_a_day(nanos: i64) -> i64 {
     (nanos + HALF_A_DAY_NANOS).rem_euclid(2 * HALF_A_DAY_NANOS) - HALF_A_DAY_NANOS
 }
@@ -240,7 +242,8 @@ mod tests {
         (START + Duration::from_millis(millis_of_ours + 7_200_000)).time_of_day()
     }
 
-    /// A command leaves at one time, is answered on the vehicle at another and the answer comes at a third: milliseconds.
+    /// A round trip: when the command leaves us, when the vehicle answers it, and when the answer arrives,
+    /// milliseconds.
     fn trip(clock: &mut VehicleClock, sent: u64, written: u64, received: u64) -> Option<i64> {
         measured(clock, sent, vehicle(written), received)
     }
@@ -286,11 +289,11 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_a_link_that_becomes_slow_after_one_quick_trip_is_seen_to_be() {
+    fn sr_023_a_link_that_becomes_slow_after_one_quick_trip_is_noticed() {
         let mut clock = VehicleClock::default();
         trip(&mut clock, 1003, 1005, 1007);
         for second in 2..60u64 {
-            // From now on every word of the vehicle is held up for 8 s.
+            // From now on every message of the vehicle is delayed by 8 s.
             let sent = second * 1000 + 3;
             assert_eq!(trip(&mut clock, sent, sent + 2, sent + 8004), None);
             let age = age_s(&clock, sent + 2, sent + 8004).unwrap();
@@ -299,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_a_clock_that_is_set_is_told_and_followed() {
+    fn sr_023_a_clock_that_is_set_is_reported_and_followed() {
         for step_ms in [-10_000i64, -300, 300, 10_000] {
             let mut clock = VehicleClock::default();
             for second in 1..10 {
@@ -310,9 +313,9 @@ mod tests {
             }
             let at = 10_003u64;
             let written = (at + 2).checked_add_signed(step_ms).unwrap();
-            // Later than now: it has no age.
+            // A time that is later than now has no age.
             assert_eq!(age_s(&clock, written, at).is_none(), step_ms > 250);
-            let step = trip(&mut clock, at, written, at + 4).expect("it is told");
+            let step = trip(&mut clock, at, written, at + 4).expect("the step is reported");
             let error = step + step_ms * 1_000_000;
             assert!(error.abs() < 20_000_000, "{step}");
             let age = age_s(&clock, written, at + 10).unwrap();
@@ -322,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_stamps_with_the_beginning_of_its_cycle_has_set_no_clock() {
+    fn stamps_of_the_beginning_of_a_cycle_are_no_clock_step() {
         let mut clock = VehicleClock::default();
         for beat in 1..600u64 {
             let sent = beat * 1007;
@@ -332,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn stamps_of_one_or_no_decimals_set_no_clock() {
+    fn stamps_with_two_decimals_or_less_are_no_clock_step() {
         for decimals in 0..3 {
             let mut clock = VehicleClock::default();
             let unit = 10u64.pow(3 - decimals);
@@ -360,13 +363,13 @@ mod tests {
     }
 
     #[test]
-    fn over_a_leap_second_ages_stay_what_they_are() {
-        // Ours, half an hour ahead of the vehicle's, has no leap second.
+    fn ages_stay_right_over_a_leap_second() {
+        // Our clock is half an hour ahead of the vehicle's and has no leap second.
         let ours = |millis: u64| Utc::from_unix_nanos((86_340_000 + 1_800_000 + millis) * 1_000_000);
         let mut clock = VehicleClock::default();
         for millis in (50_000..75_000).step_by(100) {
             let now = Timestamp::from_millis(millis);
-            // Written now, and solved a while before.
+            // Written now, and solved up to 140 ms earlier.
             for age_ms in [0, 40, 140] {
                 clock.heard(now, ours(millis), leap_day(millis - age_ms));
             }
@@ -429,7 +432,7 @@ mod tests {
                 .time_of_day();
             assert_eq!(measured(&mut clock, second * 1000, written, second * 1000 + 2), None);
             let age = clock.age(Timestamp::from_secs(second), utc, written).unwrap();
-            // At the first one the stamp has no decimals, and may have left some out.
+            // The first timestamp has no decimals, so it may have been cut to the second.
             assert!(second == 0 || age < Duration::from_millis(15), "{age:?}");
         }
     }

@@ -1,10 +1,11 @@
-//! The way that the vehicle keeps to: from where a behavior began to where its path begins.
+//! The way that the vehicle follows: from where a behavior began to where its path begins.
 //!
-//! A vehicle that has been led off its way, or takes up again what was interrupted, does not head for the nearest of its
-//! ends: it steers to the line itself (line-of-sight steering, Fossen, *Handbook of Marine Craft Hydrodynamics and Motion
-//! Control*, 2011, section 10.3). To know where that may lead to, the places are kept where the behaviors began that it
-//! may fly on. Of one whose begin was not heard nobody knows it: what is flown has to be heard, or to be seen from the lines
-//! that the vehicle keeps to, before anything of ours steers. All that is judged by it belongs to safety requirement 002.
+//! A vehicle that was led off its way, or that takes up again what was interrupted, does not head for the nearest end
+//! of its line. It steers to the line itself (line-of-sight steering, Fossen, *Handbook of Marine Craft Hydrodynamics
+//! and Motion Control*, 2011, section 10.3). To know where that may lead, core remembers the places where the behaviors
+//! began that the vehicle may continue. If a begin was not heard, its place is not known. Then, before anything of ours
+//! steers, core must hear what is flown, or see it from the lines that the vehicle follows. Everything that is judged
+//! by these places belongs to safety requirement 002.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -13,20 +14,20 @@ use backseat_spi::BehaviorId;
 use backseat_units::math::hypot;
 use backseat_units::{EastNorth, Timestamp};
 
-/// How often one behavior can begin until a later begin takes the place of the last.
+/// How many begins of one behavior are remembered. A later begin then takes the place of the last one.
 const BEGINS_MAX: usize = 4;
-/// A vehicle that neither climbs nor dives by more, metres a second, for so long has settled.
+/// A vehicle that neither climbs nor dives faster than this, metres a second, for `LEVEL_FOR` has settled.
 const LEVEL_MPS: f64 = 0.15;
 const LEVEL_FOR: Duration = Duration::from_secs(5);
-/// The same where a previous run may have left a modify, that this is over and the way back from its depth
-/// has begun.
+/// The same if a previous run may have left a modify: after this time the modify is over, and the way back from its
+/// depth has begun.
 const LEVEL_AFTER_ANOTHER_FOR: Duration = Duration::from_secs(15);
-/// So long on its line it is not merely passing where the line is.
+/// A vehicle that has been on a line for this long is not merely crossing it.
 const ON_LINE_FOR: Duration = Duration::from_secs(10);
-/// On its line a vehicle goes along it to less than this: the cosine of 30 degrees.
+/// A vehicle on its line moves in a direction that differs from the line's by at most 30 degrees: the cosine of that.
 const ALONG: f64 = 0.866;
 
-/// Whose path is flown: an element of the plan by its number, or an insert.
+/// Whose path is flown: that of an element of the plan by its number, or that of an insert.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Flown {
@@ -34,7 +35,7 @@ pub(crate) enum Flown {
     Inserted(BehaviorId),
 }
 
-/// Where a behavior began, as well as navigation knows it.
+/// Where a behavior began, as precisely as navigation knows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Begin {
@@ -42,42 +43,42 @@ pub(crate) struct Begin {
     pub(crate) within_m: f64,
 }
 
-/// Where the behaviors began that the vehicle may fly on.
+/// The places where the behaviors began that the vehicle may continue.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Courses {
     begun: BTreeMap<Flown, Vec<Begin>>,
     current: Option<Flown>,
-    /// When it was heard that this began, until navigation tells of a time after that.
+    /// When the current behavior was heard to begin, until a solution of navigation is later than that.
     begun_at: Option<Timestamp>,
-    /// No navigation had been heard by then.
+    /// No navigation had come when it was heard to begin.
     unplaced: bool,
-    /// Since when it goes along the line of what is flown now.
+    /// Since when the vehicle has moved along the line of what is flown now.
     on_line_since: Option<Timestamp>,
-    /// Where nobody heard what is flown, whose lines it goes along, and since when.
+    /// If nobody heard what is flown: the behaviors along whose lines the vehicle moves, and since when.
     along: Vec<(Flown, Timestamp)>,
-    /// Where nobody heard what is flown, what it was seen to fly.
+    /// If nobody heard what is flown: the behaviors of which one was seen to be flown.
     placed: Vec<Flown>,
-    /// It may have left a behavior of its plan that is not done: for an insert that interrupts, and no planned behavior
-    /// has begun since. Other inserts may be flown first (SPI 7.5).
+    /// The vehicle may have left a behavior of its plan that is not done, for an insert that interrupts, and no planned
+    /// behavior has begun since. Other inserts may be flown first (SPI 7.5).
     left_plan: bool,
-    /// Since when it neither climbs nor dives, while nobody of ours steers.
+    /// Since when the vehicle has neither climbed nor dived, while nothing of ours steers.
     level_since: Option<Timestamp>,
-    /// It has come to the depth of what is flown now.
+    /// The vehicle has reached the depth of what is flown now.
     settled: bool,
-    /// The depths that it has settled at in this mission, from and to, metres.
+    /// The least and the greatest depth at which it has settled in this mission, metres.
     depths_m: Option<[f64; 2]>,
-    /// The fastest over ground that it was seen to fly its own plan in this mission, m/s.
+    /// The greatest speed over ground at which it was seen to fly its own plan in this mission, m/s.
     seen_mps: f64,
 }
 
 impl Courses {
-    /// The vehicle may have been led away from its plan.
+    /// The vehicle may have left a behavior of its plan that is not done.
     pub(crate) const fn leave_plan(&mut self) {
         self.left_plan = true;
     }
 
-    /// A behavior has begun, at a place where that is known.
+    /// A behavior has begun, at this place if it is known.
     pub(crate) fn began(&mut self, now: Timestamp, flown: Flown, here: Option<Begin>) {
         if matches!(flown, Flown::Planned(_)) {
             self.begun.retain(|other, _| *other == flown);
@@ -94,7 +95,8 @@ impl Courses {
         (self.settled, self.level_since) = (false, None);
     }
 
-    /// Navigation has come, from here, and from before it jumped. Where what is flown began around that, it began at either.
+    /// Navigation has come: `here`, and `before` if it has jumped from there. What began around the jump began at
+    /// either place. What began before any navigation began here.
     pub(crate) fn navigated(&mut self, before: Option<Begin>, here: Begin, solution: Option<Timestamp>) {
         let places = match self.current {
             Some(current) if self.begun_at.is_some() => self.begun.entry(current).or_default(),
@@ -110,26 +112,28 @@ impl Courses {
             .filter(|begun| solution.is_none_or(|solution| solution <= *begun));
     }
 
-    /// Somebody of ours leads it elsewhere: what it has kept to until now, and its depth, say nothing of its own way.
+    /// Something of ours leads the vehicle elsewhere. The lines along which it has moved until now, and its depth, show
+    /// nothing about its own way.
     pub(crate) fn led_away(&mut self) {
         self.level_since = None;
         self.on_line_since = None;
         self.along.clear();
     }
 
-    /// How fast it goes over ground, m/s.
+    /// Takes the vehicle's speed over ground, m/s. It counts while the vehicle flies its plan.
     pub(crate) const fn flies_at(&mut self, ground_mps: f64) {
         if matches!(self.current, Some(Flown::Planned(_))) {
             self.seen_mps = self.seen_mps.max(ground_mps);
         }
     }
 
-    /// Whether the way to the line of what is flown is behind it, or was never known.
+    /// Whether the way to the line of what is flown is behind the vehicle, or was never known.
     pub(crate) fn is_placed_on(&self, current: Flown) -> bool {
         self.begun.get(&current).is_none_or(Vec::is_empty)
     }
 
-    /// It goes along the line of what is flown, or does not. After a while on it the way to it is behind it.
+    /// Says whether the vehicle moves along the line of what is flown. After a while on it, the way to it is behind the
+    /// vehicle.
     pub(crate) fn is_on_line(&mut self, now: Timestamp, current: Flown, on_line: bool) {
         let since = self.on_line_since.filter(|_| on_line);
         self.on_line_since = on_line.then(|| since.unwrap_or(now));
@@ -138,12 +142,12 @@ impl Courses {
         }
     }
 
-    /// An insert will not be flown on.
+    /// The vehicle will not continue an insert.
     pub(crate) fn ended(&mut self, insert: BehaviorId) {
         self.begun.remove(&Flown::Inserted(insert));
     }
 
-    /// What is flown is not known: the link is gone, or it has ended and nothing has begun.
+    /// What is flown is not known: a message or the link was lost, or a behavior has ended and nothing has begun.
     pub(crate) fn invalidate_after_loss(&mut self) {
         self.current = None;
         self.unplace();
@@ -157,7 +161,8 @@ impl Courses {
         self.placed.clear();
     }
 
-    /// Nobody heard what is flown, nor steers: it goes along these paths. True where it was seen by now what it flies.
+    /// Nobody has heard what is flown, and nothing of ours steers: the vehicle moves along the lines of these
+    /// behaviors. Returns true once it has done so for long enough to show that it flies one of them.
     pub(crate) fn keeps_to(&mut self, now: Timestamp, paths: &[Flown]) -> bool {
         let since = |path: &Flown| {
             let before = self.along.iter().find(|(along, _)| along == path);
@@ -168,7 +173,7 @@ impl Courses {
         let seen = self.along.iter().any(long);
         if seen {
             self.placed = paths.to_vec();
-            // It is on their lines: what led there is behind it.
+            // The vehicle is on their lines, so the ways to them are behind it.
             for path in paths {
                 self.begun.insert(*path, Vec::new());
                 self.left_plan &= !matches!(path, Flown::Planned(_));
@@ -177,19 +182,19 @@ impl Courses {
         seen
     }
 
-    /// Where it is and how fast it dives, while nobody of ours steers.
-    /// Where a previous run may have left a modify, that must be over.
+    /// Takes the vehicle's depth and how fast it dives, while nothing of ours steers. With `after_another`, a previous
+    /// run may have left a modify, which must be over.
     pub(crate) fn levels(&mut self, now: Timestamp, [depth_m, down_mps]: [f64; 2], after_another: bool) {
         let level_for = if after_another {
             LEVEL_AFTER_ANOTHER_FOR
         } else {
             LEVEL_FOR
         };
-        // A figure that is none is not level.
+        // NaN is not level.
         let level = down_mps.abs() <= LEVEL_MPS;
         self.level_since = level.then(|| self.level_since.unwrap_or(now));
         if self.level_since.is_some_and(|since| now.since(since) >= level_for) {
-            // What an insert is flown at is not the plan's depth.
+            // The depth at which an insert is flown is not the plan's depth.
             if matches!(self.current, Some(Flown::Inserted(_))) {
                 self.settled = self.depths_m.is_some();
                 return;
@@ -209,7 +214,7 @@ impl Courses {
         self.invalidate_after_loss();
     }
 
-    /// Where what is flown now may have begun.
+    /// Where what is flown now may have begun; every remembered place if that is not known.
     pub(crate) fn of_current(&self) -> Vec<Begin> {
         match self.current {
             Some(current) => self.of(current),
@@ -217,27 +222,28 @@ impl Courses {
         }
     }
 
-    /// The fastest that it was seen to fly its own plan in this mission, m/s over ground.
+    /// The greatest speed over ground at which it was seen to fly its own plan in this mission, m/s.
     pub(crate) const fn seen_mps(&self) -> f64 {
         self.seen_mps
     }
 
-    /// What is flown now, where that was heard.
+    /// What is flown now, if it was heard to begin.
     pub(crate) const fn current(&self) -> Option<Flown> {
         self.current
     }
 
-    /// What was seen to be flown, where nobody heard it.
+    /// The behaviors of which one was seen to be flown, if nobody heard it begin.
     pub(crate) fn placed(&self) -> &[Flown] {
         &self.placed
     }
 
-    /// Whether it may have left a behavior of its plan that is not done.
+    /// Whether the vehicle may have left a behavior of its plan that is not done.
     pub(crate) const fn has_left_plan(&self) -> bool {
         self.left_plan
     }
 
-    /// The depths that it has settled at in this mission, from and to, metres, once it has come to that of what it flies.
+    /// The least and the greatest depth at which the vehicle has settled in this mission, metres, once it has reached
+    /// the depth of what it flies.
     pub(crate) fn settled_depths_m(&self) -> Option<[f64; 2]> {
         self.depths_m.filter(|_| self.settled)
     }
@@ -251,7 +257,7 @@ impl Courses {
         planned.flat_map(|(_, begun)| begun.iter().copied()).collect()
     }
 
-    /// Where the plan is taken up again it is not known where its behavior began.
+    /// Whether it is unknown where the planned behavior began that the vehicle may take up again.
     pub(crate) fn lacks_plan(&self) -> bool {
         !self.begun.keys().any(|flown| matches!(flown, Flown::Planned(_)))
     }
@@ -262,7 +268,7 @@ impl Courses {
     }
 }
 
-/// Whether the vehicle goes along a line that it is on.
+/// Whether the vehicle is on a line and moves along it.
 pub(crate) fn is_on((start, end): (EastNorth, EastNorth), here: EastNorth, velocity: EastNorth, within_m: f64) -> bool {
     let length_m = start.distance_m(end);
     let along = (end - start) * (1.0 / length_m);
@@ -273,7 +279,7 @@ pub(crate) fn is_on((start, end): (EastNorth, EastNorth), here: EastNorth, veloc
         from.east_m * along.north_m - from.north_m * along.east_m,
     );
     let speed_mps = hypot(velocity.east_m, velocity.north_m);
-    // Written so that a figure that is none is not on it, nor one that stands still.
+    // NaN fails these comparisons, and so does a vehicle that stands still.
     (0.0..=length_m).contains(&along_m)
         && right_m.abs() <= within_m
         && speed_mps > 0.0
@@ -296,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_002_a_line_that_a_modify_has_led_along_was_not_kept_to() {
+    fn sr_002_time_on_a_line_counts_only_while_no_modify_steers() {
         let now = Timestamp::default();
         let after = |seconds| now + Duration::from_secs(seconds);
         let mut courses = Courses::default();
@@ -306,7 +312,7 @@ mod tests {
         courses.is_on_line(after(12), Flown::Planned(1), true);
         assert!(
             !courses.is_placed_on(Flown::Planned(1)),
-            "the way to it is not behind it"
+            "the way to the line still counts"
         );
         courses.is_on_line(after(21), Flown::Planned(1), true);
         assert!(!courses.is_placed_on(Flown::Planned(1)));
@@ -321,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn where_what_is_flown_began_is_known_until_its_line_or_another_behavior() {
+    fn the_places_of_begins_are_kept_until_an_insert_ends_or_a_planned_behavior_begins() {
         let insert = BehaviorId::new(7);
         let mut courses = Courses::default();
         let now = Timestamp::default();
@@ -330,7 +336,7 @@ mod tests {
         courses.began(now, Flown::Inserted(insert), Some(begin(3.0)));
         assert_eq!(courses.of_current(), [begin(3.0)]);
         assert_eq!(courses.of(Flown::Planned(1)), [begin(2.0)]);
-        // Interrupted and taken up again: it may fly on from either place.
+        // Interrupted and taken up again: the vehicle may continue from either place.
         courses.began(now, Flown::Inserted(insert), Some(begin(4.0)));
         assert_eq!(courses.of_current(), [begin(3.0), begin(4.0)]);
         courses.ended(insert);
@@ -341,17 +347,17 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_heard_is_seen_once_one_path_was_kept_to_for_ten_seconds() {
+    fn what_was_not_heard_is_seen_after_ten_seconds_on_one_path() {
         let (second, third) = (Flown::Planned(2), Flown::Planned(3));
         let at = |seconds: u64| Timestamp::from_millis(1000 * seconds);
         let mut courses = Courses::default();
-        // Ten seconds on two paths, but on neither for as long.
+        // Ten seconds on the two paths, but on neither of them for that long.
         assert!(!courses.keeps_to(at(0), &[second]));
         assert!(!courses.keeps_to(at(5), &[second, third]));
         assert!(!courses.keeps_to(at(8), &[third]));
         assert!(!courses.keeps_to(at(14), &[second, third]));
         assert!(courses.keeps_to(at(15), &[second, third]));
-        // Both count, for it may be either.
+        // Both count, because it may be either.
         assert_eq!(courses.placed(), [second, third]);
         courses.invalidate_after_loss();
         assert_eq!(courses.placed(), []);

@@ -1,19 +1,20 @@
-//! Which dive the vehicle flies: a plan belongs to the file that it was told for (SPI 6.9, 6.11; safety requirement 025).
+//! Which dive the vehicle flies. A plan belongs to the dive file for which the vehicle reported it (SPI 6.9, 6.11;
+//! safety requirement 025).
 
 use crate::refusal::Uncontrolled;
 use backseat_spi::Text;
 
 /// The dive file as the vehicle last named it.
 ///
-/// BFMIS and BFMBS may write one file in two ways (with its folder, without its ending), so that each is held against its
-/// own kind alone. An empty name says nothing: it is left out where a behavior is the payload's, and while no mission
-/// is loaded.
+/// BFMIS and BFMBS may name one file in two ways (with its folder, without its ending), so each name is compared only
+/// with names from the same kind of message. An empty name says nothing: the vehicle leaves the name out if a behavior
+/// is the payload's, and while no mission is loaded.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Dive {
     of_status: Option<Text>,
     of_behavior: Option<Text>,
-    /// It is another one, and its plan is not whole yet.
+    /// The file is another one now, and its plan is not complete yet.
     plan_due: bool,
 }
 
@@ -27,22 +28,23 @@ pub(crate) enum NamedBy {
 }
 
 impl Dive {
-    /// It is another one: nothing steers until its plan is whole.
+    /// The file is another one now: nothing steers until its plan is complete.
     pub(crate) const fn is_another(&mut self) {
         self.plan_due = true;
     }
 
-    /// The vehicle's plan has come whole.
+    /// The vehicle's plan has come and is complete.
     pub(crate) const fn planned(&mut self) {
         self.plan_due = false;
     }
 
-    /// Why another dive leaves us without control.
+    /// Why we have no control after a change of the dive file.
     pub(crate) fn reason(&self) -> Option<Uncontrolled> {
         self.plan_due.then_some(Uncontrolled::DivePlanUnknown)
     }
 
-    /// The vehicle has named its dive file. True where it is another one than the last that this kind of message named.
+    /// The vehicle has named its dive file. Returns true if it differs from the last one that this kind of message
+    /// named.
     pub(crate) fn named(&mut self, by: NamedBy, file: &Text) -> bool {
         if file.as_str().trim().is_empty() {
             return false;
@@ -54,7 +56,7 @@ impl Dive {
         let known = known.replace(file.clone());
         let another = known.is_some_and(|known| known.as_str().trim() != file.as_str().trim());
         if another {
-            // The other kind will name it too, in its own way.
+            // The other kind of message will name the new file too, in its own way.
             *other = None;
         }
         another
@@ -70,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_025_each_message_is_held_against_its_own_kind_and_an_empty_name_says_nothing() {
+    fn sr_025_dive_files_are_compared_by_kind_of_message_and_an_empty_name_does_not_count() {
         use NamedBy::{Behavior, Status};
         let mut dive = Dive::default();
         assert!(!named(&mut dive, Status, "dives/a.dive"));
@@ -81,7 +83,7 @@ mod tests {
         assert!(named(&mut dive, Behavior, "b"));
         assert!(
             !named(&mut dive, Status, "dives/b.dive"),
-            "it is the same, named in its own way"
+            "the same file, named differently"
         );
         assert!(named(&mut dive, Status, "dives/c.dive"));
         assert!(!named(&mut dive, Behavior, "c"));

@@ -1,8 +1,8 @@
-//! The plan that the operator had checked, held against the one that the vehicle says it flies (SPI 6.20; safety
-//! requirement 001).
+//! The plan that the operator checked, compared with the one that the vehicle reports (SPI 6.20; safety requirement
+//! 001).
 //!
-//! BFPLN tells of places alone: depths and speeds can be checked ashore only. Inserts bear an identifier, and are no
-//! difference.
+//! BFPLN reports places only, so depths and speeds can be checked ashore only. Inserts have an identifier and do not
+//! count as a difference.
 
 use backseat_spi::PlanElementKind;
 use backseat_units::{LocalFrame, Position};
@@ -10,19 +10,19 @@ use backseat_units::{LocalFrame, Position};
 use crate::refusal::Uncontrolled;
 use crate::vehicle::plan::{Element, Plan};
 
-/// A front seat's plan as it was checked.
+/// A front seat's plan as the operator checked it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExpectedPlan {
     /// What BFPLN must list, in order.
     pub elements: Vec<ExpectedElement>,
-    /// How far a place may be from the one that is expected, metres.
+    /// How far a place may be from the expected one, metres.
     pub tolerance_m: f64,
 }
 
-/// A behavior of an [`ExpectedPlan`] that BFPLN tells of.
+/// A behavior of an [`ExpectedPlan`] that BFPLN reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpectedElement {
-    /// Its number in the plan's file, for texts. Vehicles may count otherwise.
+    /// Its number in the plan's file, for texts. Vehicles may number behaviors differently.
     pub number: u32,
     /// Where it leads.
     pub path: ExpectedPath,
@@ -33,18 +33,18 @@ pub struct ExpectedElement {
 pub enum ExpectedPath {
     /// These places, one after the other: a waypoint, or a line's two ends.
     Points(Vec<Position>),
-    /// Places on a circle, as many as the vehicle likes.
+    /// Places on a circle, any number of them.
     Circle {
         /// Its centre.
         centre: Position,
         /// Its radius, metres.
         radius_m: f64,
     },
-    /// One place, wherever: the end of a heading, which depends on where it began.
+    /// One place, anywhere: the end of a behavior that flies a heading, which depends on where it began.
     Anywhere,
 }
 
-/// What has become of the comparison on this connection.
+/// The result of the comparison on this connection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Compared {
@@ -56,7 +56,7 @@ pub(crate) enum Compared {
 }
 
 impl Compared {
-    /// Why this leaves us without control, where a plan is expected.
+    /// Why we have no control, if a plan is expected.
     pub(crate) const fn reason(self) -> Option<Uncontrolled> {
         match self {
             Self::Same => None,
@@ -67,7 +67,7 @@ impl Compared {
 }
 
 impl ExpectedPlan {
-    /// The first way in which the vehicle's plan is another.
+    /// The first difference between the vehicle's plan and this one.
     pub(crate) fn difference(&self, plan: &Plan, frame: &LocalFrame) -> Option<String> {
         let mut listed = plan.planned();
         for (index, expected) in self.elements.iter().enumerate() {

@@ -1,10 +1,10 @@
 //! Whether navigation can be true (SPI 6.1, 6.2; safety requirement 024).
 //!
-//! Single samples pass for possible that no vehicle can make one after the other. So navigation is held against itself
-//! over windows: its position against its own velocity, its heading against its yaw rate, its depth against its rate, the
-//! seabed that it tells of against what it told of just before. What has been integrated since a sample of the window and
-//! what was measured since must agree within a step, which is what noise and a correction may do, and a drift, which is
-//! what the two may differ by from one second to the next.
+//! Each of two samples can be possible although no vehicle can make one after the other. So navigation is compared with
+//! itself over a window: its position with its own velocity, its heading with its yaw rate, its depth with its vertical
+//! velocity, and the seabed that it shows with the one that it showed just before. What has been integrated since an
+//! earlier sample of the window, and what has been measured since, must agree within a step and a drift. The step is
+//! what noise and a correction may do. The drift is by how much more the two may differ with each second.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -17,25 +17,25 @@ use crate::monitor::limits::Limits;
 use crate::monitor::limits::integrity::IntegrityLimits;
 use crate::plugin::NavigationSample;
 
-/// Samples are compared over so long: less than navigation must be steady for, so that what goes on being untrue is found
-/// again before it steers.
+/// How long the window is. It is shorter than the time for which navigation must be steady, so that navigation which
+/// stays untrue is found again before it steers.
 const WINDOW_S: f64 = 9.5;
-/// One sample in so long is kept for that; the newest is always compared with the one before it.
+/// The window keeps one sample in this time. The newest sample is always compared with the one before it too.
 const KEPT_EVERY_S: f64 = 0.5;
-/// Below this a vehicle may stand still, metres a second.
+/// A vehicle that is slower than this may be standing still, metres a second.
 const UNDER_WAY_MPS: f64 = 0.3;
-/// GPS is heard no deeper than this, antenna and waves included, whatever the sample says, metres.
+/// GPS cannot be received deeper than this, antenna and waves included, whatever the sample says, metres.
 const SURFACE_M: f64 = 3.0;
-/// After a gap as long as this nothing is known of what lay between, seconds.
+/// After a gap longer than this, nothing is known about what lay in it, seconds.
 const GAP_S: f64 = 3.0;
 
-/// What in navigation cannot be true.
+/// A way in which navigation cannot be true.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Flaw {
-    /// In a few words, for whoever loses control by it.
+    /// What is wrong: the cause with which leases end.
     pub(crate) what: EndCause,
-    /// With figures.
+    /// The figures, as a text.
     pub(crate) text: String,
 }
 
@@ -44,12 +44,12 @@ pub(crate) struct Flaw {
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Mark {
     at_s: f64,
-    /// Position less what the velocities add up to, metres.
+    /// Position minus the integrated velocity, metres.
     off: EastNorth,
     depth_m: f64,
-    /// Depth less what the velocity downwards adds up to, metres.
+    /// Depth minus the integrated downward velocity, metres.
     depth_off_m: f64,
-    /// Heading less what the yaw rate adds up to, degrees, not brought within a circle.
+    /// Heading minus the integrated yaw rate, degrees, not reduced to one circle.
     heading_off_deg: f64,
     place: EastNorth,
     /// Depth plus altitude, where there was bottom lock, metres.
@@ -64,12 +64,12 @@ pub(crate) struct Integrity {
     slope_max: f64,
     marks: VecDeque<Mark>,
     last: Option<(Mark, Rates)>,
-    /// What the rates have added up to.
+    /// The integrated rates.
     sum: Sum,
-    /// Since when the position has been the same to the last digit while the velocity says that it cannot be, by the
-    /// solutions' time.
+    /// Since when the position has been the same to the last digit although the velocity says that the vehicle moves,
+    /// by the times of the solutions.
     frozen_since_s: Option<f64>,
-    /// The last sample was GPS's.
+    /// The last sample was from GPS, at the surface.
     by_gps: bool,
 }
 
@@ -117,7 +117,7 @@ impl Integrity {
         }
     }
 
-    /// What came before says nothing of what comes: another connection, a jump, a fix.
+    /// Forgets the window. After a new connection, a jump or a fix, earlier samples say nothing about later ones.
     pub(crate) fn forget(&mut self) {
         self.marks.clear();
         self.last = None;
@@ -129,8 +129,8 @@ impl Integrity {
         Duration::from_secs_f64(self.limits.velocity_gap_s)
     }
 
-    /// A sample with its velocities, `elapsed_s` of the vehicle's clock after the one before. The first flaw that it shows,
-    /// after which nothing before it counts any more.
+    /// Takes a sample with its velocities, `elapsed_s` after the one before by the vehicle's clock. Returns the first
+    /// flaw that it shows. After a flaw, earlier samples do not count any more.
     pub(crate) fn follow(
         &mut self,
         sample: &NavigationSample,
@@ -141,7 +141,7 @@ impl Integrity {
         let by_gps = sample.gps && sample.depth.as_m() <= SURFACE_M;
         let was_by_gps = core::mem::replace(&mut self.by_gps, by_gps);
         if elapsed_s > GAP_S || by_gps || was_by_gps {
-            // On the surface GPS moves the solution as it likes.
+            // At the surface, GPS can move the solution by any distance.
             self.forget();
         }
         if let Some((_, before)) = &self.last {
@@ -186,7 +186,7 @@ impl Integrity {
         since.into_iter().find_map(|before| self.disagreement(before, mark))
     }
 
-    /// The same position to the last digit, sample after sample, of a vehicle that says that it moves.
+    /// The position is the same to the last digit, sample after sample, although the vehicle reports that it moves.
     fn frozen(&mut self, mark: &Mark, speed_mps: f64) -> Option<Flaw> {
         let same = self.last.as_ref().is_some_and(|(last, _)| last.place == mark.place);
         if !same || speed_mps < UNDER_WAY_MPS {
@@ -201,7 +201,7 @@ impl Integrity {
         })
     }
 
-    /// Where a sample of the window and the newest cannot both be true.
+    /// A flaw if a sample of the window and the newest one cannot both be true.
     fn disagreement(&self, before: &Mark, mark: &Mark) -> Option<Flaw> {
         let limits = &self.limits;
         let span_s = mark.at_s - before.at_s;
@@ -234,7 +234,7 @@ impl Integrity {
             let rises_m = (here_m - there_m).abs();
             let allowed_m = limits.seabed_step_m + self.slope_max * moved_m;
             if exceeds(rises_m, allowed_m) {
-                let text = format!("{rises_m:.1} m within {moved_m:.1} m of way");
+                let text = format!("{rises_m:.1} m over {moved_m:.1} m travelled");
                 return Some(flaw(EndCause::SeabedJumps, text));
             }
         }
@@ -243,7 +243,8 @@ impl Integrity {
 }
 
 impl Sum {
-    /// Both samples' rates count half: the vehicle's turn between them is followed to the second order.
+    /// The rates of both samples count half (the trapezoidal rule), so a turn between them is followed to the second
+    /// order.
     fn add(&mut self, before: &Rates, now: &Rates, elapsed_s: f64) {
         let half_s = elapsed_s / 2.0;
         self.at_s += elapsed_s;
@@ -274,7 +275,7 @@ fn flaw(what: EndCause, text: String) -> Flaw {
     Flaw { what, text }
 }
 
-/// What is no number exceeds everything.
+/// NaN exceeds every limit.
 fn exceeds(figure: f64, limit: f64) -> bool {
     figure.is_nan() || figure > limit
 }

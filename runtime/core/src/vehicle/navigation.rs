@@ -13,37 +13,35 @@ use crate::vehicle::integrity::{Flaw, Integrity};
 
 /// After a jump, navigation must be steady for this long (safety requirement 021).
 const STEADY_AFTER_JUMP: Duration = Duration::from_secs(10);
-/// On a new connection the first samples may be what was buffered for us, and on the first one they only show how the
-/// clocks lie.
+/// On a new connection, the first samples may be old ones that were buffered for us.
 const STEADY_AFTER_CONNECT: Duration = Duration::from_millis(500);
-/// A jump is more than the vehicle can move, and this.
+/// A jump is farther than the vehicle can move, plus this.
 const JUMP_ALLOWANCE_M: f64 = 10.0;
-/// BFNVG and BFNVR are of one sample where they were written no further apart than this.
+/// A BFNVG and a BFNVR belong to one sample if they were written no further apart than this.
 const OF_ONE_TIME_NANOS: u64 = 500_000_000;
-/// What is wrong where BFNVG comes and no BFNVR.
-/// A bottom lock speaks of its place for this long.
+/// A bottom lock shows the water depth at its place for this long.
 const LOCK_LASTS: Duration = Duration::from_secs(5);
 
-/// What a new solution is to the tracker.
+/// How a new solution relates to the one before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Change {
-    /// It follows from the last one.
+    /// The vehicle can have come here from the last one.
     Follows,
-    /// It is further from the last one than the vehicle can have come.
+    /// It is farther from the last one than the vehicle can have come.
     Jumped(Jump),
 }
 
-/// How navigation jumped.
+/// A jump of navigation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Jump {
     pub(crate) metres: f64,
     /// Where the vehicle was before.
     pub(crate) from: EastNorth,
-    /// How long that was ago.
+    /// How long ago that was, seconds.
     pub(crate) elapsed_s: f64,
 }
 
-/// Follows the vehicle's navigation: pairs BFNVG with its BFNVR, counts its age, and sees it jump.
+/// Follows the vehicle's navigation: pairs BFNVG with its BFNVR, computes its age, and finds its jumps.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Tracker {
@@ -54,16 +52,18 @@ pub(crate) struct Tracker {
     clock: VehicleClock,
     newest: Option<Newest>,
     integrity: Integrity,
-    /// What the newest navigation has shown to be untrue, until that is heeded.
+    /// The newest flaw of navigation, until `take_flaw` takes it.
     flaw: Option<Flaw>,
-    /// The solution's time of the last sample whose velocities came.
+    /// The time of the last solution whose velocities came.
     completed: Option<TimeOfDay>,
-    /// When the first sample came that has none since.
+    /// When the first sample came whose velocities are still missing.
     incomplete_since: Option<Timestamp>,
     lock: Option<(BottomLock, Timestamp)>,
-    /// Since when it has been steady; `None` before the first sample of this connection.
+    /// Since when navigation has been steady; `None` before the first sample of this connection, and after stale
+    /// navigation.
     steady_since: Option<Timestamp>,
-    /// Where it was when it was last heard of on the connection before, and when that was.
+    /// Where the vehicle was by the last sample of the earlier connection, or of its clock before that was set, and
+    /// when that sample came.
     before: Option<(EastNorth, Timestamp)>,
     jumped_at: Option<Timestamp>,
 }
@@ -74,9 +74,9 @@ struct Newest {
     sample: NavigationSample,
     /// When it came.
     received: Timestamp,
-    /// The vehicle's clock was known, so that the solution's time is too.
+    /// Whether the vehicle's clock was known then, and with it the time of the solution.
     has_age: bool,
-    /// Its velocities have come.
+    /// Whether its velocities have come.
     complete: bool,
     written: TimeOfDay,
     solution: TimeOfDay,
@@ -101,44 +101,45 @@ impl Tracker {
         }
     }
 
-    /// A new connection: nothing of the old one's navigation holds, but the vehicle is not elsewhere for it, and its
-    /// clock is the same. Learnt anew, a link that holds everything up from its first byte on would look like a clock
-    /// that is behind.
+    /// A new connection. No navigation of the old one counts any more, but the vehicle has not moved because of it, and
+    /// its clock is the same. If core learnt the clock anew, a link that delays everything from its first byte would
+    /// look like a clock that is slow.
     pub(crate) fn reset(&mut self) {
         self.leave_newest();
         self.lock = None;
         self.steady_since = None;
     }
 
-    /// The next sample is the first again, but for the place.
+    /// The next sample is the first again, except that it is compared with the last place.
     fn leave_newest(&mut self) {
         self.forget_window();
         self.incomplete_since = None;
         let last = self.newest.take();
-        // The time of its solution hangs on the vehicle's clock, which may have been set.
+        // The place is kept with the time when it came: the time of its solution depends on the vehicle's clock, which
+        // may have been set.
         self.before = last.map(|last| (last.sample.local, last.received)).or(self.before);
     }
 
-    /// Any message's timestamp may name a leap second.
+    /// The timestamp of any message may name a leap second.
     pub(crate) fn heard(&mut self, now: Timestamp, utc: Utc, written: TimeOfDay) {
         self.clock.heard(now, utc, written);
     }
 
-    /// A round trip tells of the clocks. By how much the vehicle's was set against ours, nanoseconds, where it was: then
-    /// navigation must be steady anew (safety requirement 023).
+    /// A round trip has measured the clocks. Returns by how much the vehicle's clock was set against ours, nanoseconds,
+    /// if it was. Then navigation must become steady again (safety requirement 023).
     pub(crate) fn measured(&mut self, trip: Trip, utc: Utc, written: TimeOfDay) -> Option<i64> {
         let step = self.clock.measure(trip, utc, written)?;
         if !is_on(Check::ClockStep) {
             return None;
         }
         self.jumped_at = Some(trip.received);
-        // The newest solution's time is the old clock's: by the new one it may be yet to come.
+        // The time of the newest solution is by the old clock. By the new one it may be in the future.
         self.leave_newest();
         Some(step)
     }
 
-    /// By how much our clock and the vehicle's differ, where the vehicle's can be believed and that is little enough for
-    /// both to tell the time. Ours may have been set since the start.
+    /// By how much our clock and the vehicle's differ. `None` if the vehicle's is not known, or if they differ by more
+    /// than [`APART_MAX`]. Ours may have been set since the start, by `set_nanos` nanoseconds.
     pub(crate) fn clocks_apart(&self, now: Timestamp, set_nanos: i64) -> Option<Duration> {
         self.clock.apart(now, set_nanos).filter(|apart| *apart <= APART_MAX)
     }
@@ -147,8 +148,8 @@ impl Tracker {
         &self.clock
     }
 
-    /// A BFNVG. Velocities are those of the last sample until its BFNVR comes. Returns `None` where its solution is
-    /// not newer than the last one's.
+    /// Takes a BFNVG. Until its BFNVR comes, its velocities are those of the last sample. Returns `None` if its
+    /// solution is not newer than the last one's.
     pub(crate) fn position(&mut self, now: Timestamp, utc: Utc, message: &Navigation) -> Option<Change> {
         self.clock.heard(now, utc, message.created);
         let age = if is_on(Check::NavigationAge) {
@@ -165,7 +166,8 @@ impl Tracker {
             if elapsed_nanos <= 0 {
                 return None;
             }
-            // By our own clock too: the vehicle's may have been set by the fix that moved its position (SPI 2).
+            // The time by our own clock counts too, if it is shorter: the fix that moved the vehicle's position may
+            // also have set its clock (SPI 2).
             let elapsed_s = solution.since(last.sample.solution).as_secs_f64();
             jump = self.jump(last.sample.local, elapsed_s.min(elapsed_nanos as f64 / 1e9), local);
             let sample = &last.sample;
@@ -222,7 +224,8 @@ impl Tracker {
         Some(jump.map_or(Change::Follows, Change::Jumped))
     }
 
-    /// A BFNVR. True where it completes the newest BFNVG. One of another time says nothing of that sample.
+    /// Takes a BFNVR. If it was written more than half a second before or after the newest BFNVG, it says nothing about
+    /// that sample. Returns true if both have the same time.
     pub(crate) fn velocity(&mut self, now: Timestamp, message: &VelocityAndRates) -> bool {
         let Some(newest) = &mut self.newest else { return false };
         let apart = message.created.nanos_since(newest.written).unsigned_abs();
@@ -240,7 +243,7 @@ impl Tracker {
         apart == 0
     }
 
-    /// Holds a sample with its velocities against those before it.
+    /// Compares a sample that has its velocities with those before it.
     fn complete(&mut self, now: Timestamp, solution: TimeOfDay, sample: &NavigationSample, message: &VelocityAndRates) {
         self.incomplete_since = None;
         let before = self.completed.replace(solution);
@@ -252,7 +255,7 @@ impl Tracker {
         }
     }
 
-    /// What navigation has shown to be untrue since this was last asked (safety requirement 024).
+    /// The flaw that navigation has shown since this was last called, if any (safety requirement 024).
     pub(crate) fn take_flaw(&mut self) -> Option<Flaw> {
         self.flaw.take()
     }
@@ -279,20 +282,20 @@ impl Tracker {
         (fresh || !is_on(Check::NavigationFresh)).then_some(&newest.sample)
     }
 
-    /// Navigation is stale: what comes after it must be steady again before it counts, or control would come and go
-    /// with every sample of a navigation that is just as old as may be.
+    /// Navigation is stale. What comes next must be steady again before it counts. Otherwise control would come and go
+    /// with every sample of a navigation whose age is just at the limit.
     pub(crate) fn unsettle(&mut self) {
         self.steady_since = None;
     }
 
-    /// The vehicle is told where it is, or what its frame is: what it says from now on is another frame's (safety
+    /// The vehicle is told where it is, or what its frame is. What it reports from now on is in another frame (safety
     /// requirement 021).
     pub(crate) fn frame_reset(&mut self, now: Timestamp) {
         self.forget_window();
         self.jumped_at = Some(now);
     }
 
-    /// When the newest sample will have become stale.
+    /// When the newest sample becomes stale.
     pub(crate) fn stale_at(&self) -> Option<Timestamp> {
         self.newest()
             .map(|sample| sample.solution + self.age_max + Duration::from_nanos(1))
@@ -307,7 +310,7 @@ impl Tracker {
                 .is_none_or(|jumped| now.since(jumped) >= STEADY_AFTER_JUMP)
     }
 
-    /// Whether the vehicle cannot have come from one place to another in that time.
+    /// The jump from one place to another, if the vehicle cannot have come so far in that time.
     fn jump(&self, from: EastNorth, elapsed_s: f64, here: EastNorth) -> Option<Jump> {
         let metres = here.distance_m(from);
         let farthest_m = self.speed_max_mps * 1.5 * elapsed_s + JUMP_ALLOWANCE_M;
@@ -318,7 +321,7 @@ impl Tracker {
         })
     }
 
-    /// The last bottom lock, while it is young.
+    /// The last bottom lock, while it counts.
     pub(crate) fn bottom_lock(&self, now: Timestamp) -> Option<BottomLock> {
         let (lock, at) = self.lock?;
         (now.since(at) <= LOCK_LASTS).then_some(lock)

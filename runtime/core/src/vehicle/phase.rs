@@ -1,15 +1,15 @@
-/// How far the vehicle's mission is, as BFMIS has last said on this connection (SPI 6.11).
+/// The phase of the vehicle's mission, by the last BFMIS of this connection (SPI 6.11).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Phase {
-    /// Nothing that means anything.
+    /// No status yet, or one with an unknown word.
     #[default]
     Unknown,
     /// It runs.
     Running,
-    /// It wraps up, after its end or an abort: the vehicle moves yet.
+    /// It wraps up, after its end or an abort. The vehicle still moves.
     Ending,
-    /// None runs.
+    /// No mission runs.
     Over,
 }
 
@@ -27,8 +27,9 @@ impl Phase {
     }
 }
 
-/// Whether a mission status says that nothing of the mission is flown any more. Others, junk among them, take control
-/// but leave the inserts open: the vehicle may fly them yet. The words are those of SPI 6.11.
+/// Whether a mission status says that nothing of the mission is flown any more. Any other status than these and
+/// `Running`, also an unknown one, takes control away but leaves the inserts open, because the vehicle may still fly
+/// them. The words are those of SPI 6.11.
 pub(crate) fn is_over(status: &str) -> bool {
     let over = [
         "Offline",

@@ -5,22 +5,22 @@ use backseat_units::{EastNorth, LocalFrame, Timestamp};
 
 use crate::vehicle::course::Flown;
 
-/// How many points a plan may have before it is taken for nonsense.
+/// A plan with more points than this is not believed.
 const POINTS_MAX: usize = 10_000;
-/// So many numbers are remembered that the plan does not have.
+/// How many of the numbers that the plan does not have are remembered.
 const LACKS_MAX: usize = 64;
 
-/// One behavior of the vehicle's plan, from a series of BFPLN with one number (SPI 6.20).
+/// One behavior of the vehicle's plan, from the BFPLN messages with its number or identifier (SPI 6.20).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Element {
     pub(crate) number: Option<u32>,
     pub(crate) identifier: Option<BehaviorId>,
-    /// In the order that they are passed; never empty.
+    /// In the order in which the vehicle passes them; never empty.
     pub(crate) points: Vec<EastNorth>,
-    /// The kinds that its messages bore, each once.
+    /// The kinds that its messages named, each once.
     pub(crate) kinds: Vec<PlanElementKind>,
-    /// It goes round, however often.
+    /// It is a circle, for any number of orbits.
     pub(crate) circles: bool,
 }
 
@@ -29,7 +29,7 @@ impl Element {
         self.number == message.number && self.identifier == message.identifier
     }
 
-    /// What it is called.
+    /// What it is, in words.
     pub(crate) fn kind_name(&self) -> &'static str {
         match self.kinds.first() {
             Some(PlanElementKind::Waypoint) if self.points.len() == 1 => "a waypoint",
@@ -51,7 +51,7 @@ impl Element {
         self.points[self.points.len() - 1]
     }
 
-    /// The length of a line, metres; `None` of a circle, and of a single place.
+    /// The length of a line, metres; `None` for a circle and for a single place.
     pub(crate) fn line_m(&self) -> Option<f64> {
         if self.circles || self.points.len() < 2 {
             return None;
@@ -68,7 +68,7 @@ impl Element {
     }
 }
 
-/// The vehicle's plan as BPRMP last gave it, and where in it the vehicle is.
+/// The vehicle's plan as the last answer to BPRMP gave it, and where in it the vehicle is.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Plan {
@@ -77,36 +77,37 @@ pub(crate) struct Plan {
     points_collected: usize,
     /// When the vehicle was asked for it.
     asked_at: Timestamp,
-    /// What had been lost on the link when the series began, and whether any of its own messages could not be read.
+    /// How much had been lost on the link when the series began, and whether one of its own messages could not be read.
     lost: u64,
     unreadable: bool,
-    /// What the first message of the series was of, and its index.
+    /// Number, identifier and index of the first message of the series.
     first: Option<(Option<u32>, Option<BehaviorId>, u32)>,
     complete: bool,
-    /// Numbers of behaviors that were flown when a whole series came which did not have them: the vehicle does not tell
-    /// of them, and its plan is no worse for that.
+    /// Numbers of behaviors that the vehicle was flying when a complete series came without them. The vehicle does not
+    /// report these, and that is no fault of its plan.
     lacks: BTreeSet<u32>,
     current: Option<u32>,
-    /// It has ended, and nothing has begun since.
+    /// The current behavior has ended, and nothing has begun since.
     between: bool,
-    /// Another may have begun since.
+    /// A message was lost, so another behavior may have begun since.
     unheard: bool,
-    /// What it was seen to fly, where that was not heard.
+    /// The behaviors of which one was seen to be flown, if its begin was not heard.
     seen: Vec<u32>,
 }
 
 impl Plan {
-    /// Nothing is known.
+    /// Forgets all of it.
     pub(crate) fn forget(&mut self) {
         *self = Self::default();
     }
 
-    /// The plan no longer holds, but where the vehicle is in it does.
+    /// The plan is not valid any more, but the vehicle's place in it is.
     pub(crate) fn invalidate(&mut self) {
         self.complete = false;
     }
 
-    /// BPRMP has been sent: what comes now is a new plan. So much had been lost on the link until then.
+    /// BPRMP has been sent, or the vehicle has acknowledged it as pending: what comes now is a new plan. `lost` is how
+    /// much had been lost on the link until then.
     pub(crate) fn begin(&mut self, lost: u64) {
         self.collecting = Some(Vec::new());
         self.points_collected = 0;
@@ -115,12 +116,12 @@ impl Plan {
         self.first = None;
     }
 
-    /// A BFPLN.
+    /// Takes a BFPLN.
     pub(crate) fn collect(&mut self, frame: &LocalFrame, message: &PlanElement) {
         let Some(elements) = &mut self.collecting else { return };
         let of = (message.number, message.identifier, message.index);
         if *self.first.get_or_insert(of) == of && (of.0.is_some() || of.1.is_some()) {
-            // The series begins anew: it was asked for twice, and both answers come.
+            // The series begins again: the plan was asked for twice, and both answers come.
             elements.clear();
         }
         let point = frame.to_local(message.position);
@@ -156,14 +157,14 @@ impl Plan {
         self.asked_at
     }
 
-    /// A BFPLN that cannot be read.
+    /// A BFPLN could not be read.
     pub(crate) fn unreadable(&mut self) {
         self.unreadable = true;
     }
 
-    /// The vehicle has told the whole series, and so much has been lost on the link until now. True where the plan is
-    /// known now: not where anything was lost since the series began, which may have been one of its messages. A series
-    /// does not tell how many it has (SPI 6.20).
+    /// The vehicle has sent the whole series; `lost` is how much has been lost on the link until now. Returns true if
+    /// the plan is known now. It is not if anything was lost since the series began, because that may have been one of
+    /// its messages: a series does not say how many messages it has (SPI 6.20).
     pub(crate) fn end(&mut self, lost: u64) -> bool {
         let whole = lost == self.lost && !self.unreadable;
         let collected = self.collecting.take();
@@ -193,8 +194,8 @@ impl Plan {
         self.collecting.is_some()
     }
 
-    /// A planned behavior has begun. False where the plan does not have it and was told before it was flown, so that it
-    /// may not be the current plan.
+    /// A planned behavior has begun. Returns false if the complete plan does not have it, so that it may not be the
+    /// current plan. A behavior that the vehicle is known not to report does not count.
     pub(crate) fn began(&mut self, number: u32) -> bool {
         self.current = Some(number);
         (self.between, self.unheard) = (false, false);
@@ -202,7 +203,7 @@ impl Plan {
         !self.complete || self.names(number) || self.lacks.contains(&number)
     }
 
-    /// A planned behavior has ended: until something begins it is not known which is flown.
+    /// A planned behavior has ended. Until something begins, it is not known which one is flown.
     pub(crate) fn finished(&mut self, number: u32) {
         if self.current == Some(number) {
             self.between = true;
@@ -210,14 +211,14 @@ impl Plan {
         self.seen.clear();
     }
 
-    /// Something was not heard: which planned behavior is flown is not known until one begins.
+    /// A message was lost. Until a planned behavior begins, it is not known which one is flown.
     pub(crate) fn invalidate_after_loss(&mut self) {
         self.unheard = true;
         self.seen.clear();
     }
 
-    /// It was not heard what is flown, but the vehicle was seen to keep to the lines of these: one of them is flown. Where
-    /// any is an insert, the place in the plan is not known by it.
+    /// The begin of what is flown was not heard, but the vehicle was seen to follow the lines of these: it flies one of
+    /// them. If one of them is an insert, the place in the plan is still unknown.
     pub(crate) fn seen_at(&mut self, flown: &[Flown]) {
         let number = |flown: &Flown| match flown {
             Flown::Planned(number) => Some(*number),
@@ -226,13 +227,14 @@ impl Plan {
         self.seen = flown.iter().map(number).collect::<Option<_>>().unwrap_or_default();
     }
 
-    /// An insert has begun: what has ended before it is what it was inserted after, and may have been left for it.
+    /// An insert has begun. The planned behavior that ended before it is the one after which it was inserted, and which
+    /// the vehicle may have left for it. So that behavior is still the place in the plan.
     pub(crate) fn left_for_insert(&mut self) {
         self.between = false;
     }
 
-    /// The planned behavior that is flown, or was when an insert began, where the plan has it; several where it was
-    /// seen to be one of them, none where nobody knows.
+    /// The planned behavior that is flown, or that was flown when an insert began, if the plan has it. Several if the
+    /// vehicle was seen to fly one of them; none if nobody knows.
     fn at(&self) -> &[u32] {
         let heard = |number: &u32| !self.between && !self.unheard && self.names(*number);
         match &self.current {
@@ -252,7 +254,7 @@ impl Plan {
             .any(|element| element.identifier == Some(identifier))
     }
 
-    /// Inserts that are in the plan and not known to be ours: a previous run's, or another payload's.
+    /// Inserts of the plan that are not known to be ours: a previous run's, or another payload's.
     pub(crate) fn others(&self, is_ours: impl Fn(BehaviorId) -> bool) -> impl Iterator<Item = (BehaviorId, &Element)> {
         self.elements.iter().filter_map(move |element| {
             let identifier = element.identifier?;
@@ -270,23 +272,24 @@ impl Plan {
         self.elements.iter().filter(|element| element.identifier.is_none())
     }
 
-    /// The elements that the vehicle may be on now: the current one, or every one where that is not known.
+    /// The elements that the vehicle may be on now: the current ones, or every one if those are not known.
     pub(crate) fn current(&self) -> impl Iterator<Item = &Element> {
         let anywhere = self.at().is_empty();
         self.planned().filter(move |element| anywhere || self.is_at(element))
     }
 
-    /// Whether it tells of a planned behavior.
+    /// Whether the plan has a planned behavior with this number.
     pub(crate) fn names(&self, number: u32) -> bool {
         self.planned().any(|element| element.number == Some(number))
     }
 
-    /// The elements of the planned behavior that is flown; none where that is not known.
+    /// The elements of the planned behavior that is flown; none if that is not known.
     pub(crate) fn flown(&self) -> impl Iterator<Item = &Element> {
         self.planned().filter(|element| self.is_at(element))
     }
 
-    /// The lines of the front seat's own elements, each with the way to it from the element before, and whose they are.
+    /// The lines of the front seat's own elements, and the way to each element from the one before, with the number of
+    /// the element.
     pub(crate) fn lines(&self) -> impl Iterator<Item = (u32, (EastNorth, EastNorth))> + '_ {
         let before = std::iter::once(None).chain(self.planned().map(Some));
         before.zip(self.planned()).flat_map(|(before, element)| {
@@ -296,7 +299,7 @@ impl Plan {
         })
     }
 
-    /// Where nobody heard what is flown but it was seen: the ways to what is flown, and what comes before it.
+    /// If what is flown was seen and not heard: the ways to what was seen, and the legs of what comes before it.
     pub(crate) fn seen_before(&self) -> impl Iterator<Item = (EastNorth, EastNorth)> + '_ {
         let pairs = self.planned().zip(self.planned().skip(1));
         let pairs = pairs.filter(|(_, element)| element.number.is_some_and(|number| self.seen.contains(&number)));
@@ -310,7 +313,7 @@ impl Plan {
         }
         let next = |current: &u32| {
             let mut after = self.planned().skip_while(|element| element.number != Some(*current));
-            // A number that recurs (several elements of one behavior) is passed over whole.
+            // Several elements may have one number, because they belong to one behavior. All of them are passed over.
             after
                 .find(|element| element.number != Some(*current))
                 .map(Element::first)
@@ -367,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plan_counts_only_when_its_series_is_whole() {
+    fn a_plan_counts_only_when_its_series_is_complete() {
         let mut whole = plan();
         assert!(!whole.is_complete());
         assert!(whole.end(3) && whole.is_complete() && whole.has(BehaviorId::new(7)));
@@ -403,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_next_is_the_front_seats_next_element_or_any_where_the_current_is_unknown() {
+    fn the_front_seats_next_element_comes_next_or_any_if_the_current_one_is_unknown() {
         let mut plan = plan();
         assert!(plan.end(3));
         assert_eq!(plan.next_points().len(), 3);

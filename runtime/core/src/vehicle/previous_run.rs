@@ -1,9 +1,9 @@
-//! What a previous run has left in the vehicle: inserts of its that may yet be flown (safety requirements 002,
-//! 007, 010 and 015).
+//! What a previous run has left in the vehicle: inserts of that run that the vehicle may still fly (safety requirements
+//! 002, 007, 010 and 015).
 //!
-//! The driver tells which identifiers the vehicle's mission has seen before this process began. The vehicle's plan
-//! (BFPLN) tells which of them wait. Which one is flown now nobody tells whoever connects later, so that until the
-//! vehicle says that a behavior begins, any of them may be.
+//! The driver says which identifiers were used in the vehicle's mission before this process began. The vehicle's plan
+//! (BFPLN) says which of these inserts wait. No message tells a client that connects later which one is flown now. So
+//! until the vehicle reports that a behavior begins, it may be flying any of them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -13,7 +13,7 @@ use backseat_spi::BehaviorId;
 use crate::io::Identifiers;
 use crate::vehicle::plan::Plan;
 
-/// What the vehicle calls an insert that keeps to its depth (SPI 6.9).
+/// How the vehicle names the kinds of insert that keep to their depth (SPI 6.9).
 const PATHS: [&str; 2] = ["trackline", "trackcircle"];
 
 /// The identifiers of previous runs, and what is known of their inserts.
@@ -21,19 +21,21 @@ const PATHS: [&str; 2] = ["trackline", "trackcircle"];
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct PreviousRun {
     identifiers: Range<u32>,
-    /// A behavior has begun on this connection: what is flown is known.
+    /// A behavior has begun on this connection, and no message was lost since, so it is known what is flown.
     heard: bool,
-    /// An insert of this process that the vehicle flies though its request has come to its end: refused, yet done.
+    /// An insert of this process that the vehicle flies although its request has ended, for example because the vehicle
+    /// refused it.
     still_flown_after_end: Option<BehaviorId>,
-    /// What was in the vehicle's plan when it last came whole, and has not begun or ended since, on whatever connection.
+    /// The inserts that the vehicle's plan had when it was last complete, or has named since, and that have not begun
+    /// or ended since, on whatever connection.
     left: BTreeSet<BehaviorId>,
-    /// One of them may have been a GPS hit.
+    /// One of the inserts of previous runs may have been a GPS hit.
     gps_hits: bool,
-    /// Of theirs, what is flown and is no line and no circle by its name.
+    /// The insert of a previous run that is flown, if its kind is neither trackline nor trackcircle.
     surfacing: Option<BehaviorId>,
-    /// All of theirs are over: the plan went on, and had none of them.
+    /// All inserts of previous runs are over: the plan has gone on and had none of them, or the mission is over.
     over: bool,
-    /// How often each was taken back on this connection.
+    /// How often each was cancelled on this connection.
     cancelled: BTreeMap<BehaviorId, u32>,
 }
 
@@ -46,12 +48,12 @@ impl PreviousRun {
         }
     }
 
-    /// Whether this process is the first of the vehicle's mission.
+    /// Whether there was no previous run: this process is the first of the vehicle's mission.
     pub(crate) fn is_none(&self) -> bool {
         self.identifiers.is_empty()
     }
 
-    /// A behavior begins, which may be one that was held to be over.
+    /// A behavior begins. It may be one that was believed to be over.
     pub(crate) fn heard_begin(
         &mut self,
         begun: Option<BehaviorId>,
@@ -82,30 +84,30 @@ impl PreviousRun {
         }
     }
 
-    /// Whether an insert is flown that was held to be over.
+    /// Whether the vehicle flies an insert that was believed to be over.
     pub(crate) const fn is_still_flown_after_end(&self) -> bool {
         self.still_flown_after_end.is_some()
     }
 
-    /// The vehicle's mission is over, and what was in it.
+    /// The vehicle's mission is over, and so is everything that was in it.
     pub(crate) const fn mission_over(&mut self) {
         self.over = true;
     }
 
-    /// Something was not heard, which may have been a begin.
+    /// A message was lost, which may have been a begin.
     pub(crate) const fn invalidate_after_loss(&mut self) {
         self.heard = false;
     }
 
-    /// The link is gone: what begins now is not heard.
+    /// The link is lost: what begins now is not heard.
     pub(crate) fn link_lost(&mut self) {
         self.heard = false;
         self.surfacing = None;
         self.cancelled.clear();
     }
 
-    /// Whether the vehicle may yet fly an insert of theirs, where it is `current` that the newest BFMBS named, or flies one
-    /// that was held to be over.
+    /// Whether the vehicle may still fly an insert of a previous run, or flies one that was believed to be over.
+    /// `current` is the insert that the newest BFMBS named.
     pub(crate) fn may_fly(&self, current: Option<BehaviorId>, plan: &Plan) -> bool {
         self.is_still_flown_after_end()
             || !self.is_none()
@@ -114,8 +116,8 @@ impl PreviousRun {
                     || plan.others(|identifier| !self.includes(identifier)).next().is_some())
     }
 
-    /// Whether the vehicle may be on its way to the surface by one of theirs, or by a GPS hit of this process that was held
-    /// to be over, where one is `doubtful`.
+    /// Whether the vehicle may be on its way to the surface, by a GPS hit of a previous run or by one of this process
+    /// that was believed to be over. `doubtful` says whether there is such a GPS hit of this process.
     pub(crate) fn may_surface(&self, doubtful: bool) -> bool {
         if self.is_still_flown_after_end() && doubtful {
             return true;
@@ -124,7 +126,7 @@ impl PreviousRun {
         any && (self.surfacing.is_some() || (!self.over && !self.heard))
     }
 
-    /// The plan goes on: where it is known and has nothing of a previous run, all that was is over.
+    /// The plan goes on. If it is known and has no insert of a previous run, all of those are over.
     pub(crate) fn plan_goes_on(&mut self, plan: &Plan) {
         let waits = !self.left.is_empty() || plan.others(|identifier| !self.includes(identifier)).next().is_some();
         if plan.is_complete() && !waits {
@@ -132,24 +134,25 @@ impl PreviousRun {
         }
     }
 
-    /// The vehicle's plan has come whole: it says what is left.
+    /// The vehicle's plan is complete: it says what is left.
     pub(crate) fn heard_plan(&mut self, plan: &Plan) {
         let left = plan.others(|identifier| !self.includes(identifier));
         self.left = left.map(|(identifier, _)| identifier).collect();
     }
 
-    /// What waits and has been taken back less often than `most` on this connection.
+    /// The inserts that wait and were cancelled fewer than `most` times on this connection.
     pub(crate) fn waiting(&self, most: u32) -> Vec<BehaviorId> {
         let taken_back = |identifier: &&BehaviorId| self.cancelled.get(identifier).is_none_or(|sent| *sent < most);
         self.left.iter().filter(taken_back).copied().collect()
     }
 
-    /// The vehicle's plan names an insert of theirs; whether that is new, and has not been taken back.
+    /// The vehicle's plan names an insert of a previous run. Returns whether that is new and the insert was not
+    /// cancelled yet.
     pub(crate) fn named(&mut self, identifier: BehaviorId) -> bool {
         self.left.insert(identifier) && !self.cancelled.contains_key(&identifier)
     }
 
-    /// An insert of theirs has been taken back once more.
+    /// An insert of a previous run was cancelled once more.
     pub(crate) fn taken_back(&mut self, identifier: BehaviorId) {
         *self.cancelled.entry(identifier).or_default() += 1;
     }

@@ -12,9 +12,9 @@ use crate::vehicle::clock::elapsed_nanos;
 
 /// After a jump, relative navigation must be steady for this long (safety requirement 021).
 const STEADY_AFTER_JUMP: Duration = Duration::from_secs(10);
-/// The first samples after a pause only show that there are some: what was buffered for us is old.
+/// The first samples after a pause show only that samples come again. They may be old ones that were buffered for us.
 const STEADY_AFTER_PAUSE: Duration = Duration::from_millis(500);
-/// A BFRNV whose solution is later than the message that bears it is none.
+/// A BFRNV is invalid if its solution is later than the message that carries it, by more than this.
 const AHEAD_MAX_NANOS: i64 = 100_000_000;
 
 /// A sample of one kind.
@@ -51,24 +51,24 @@ impl Placed for CartesianSample {
 pub(crate) struct Track<S> {
     age_max: Duration,
     speed_max_mps: f64,
-    /// `None` where nothing but plugins hangs on it: then nothing jumps.
+    /// `None` if only plugins use this navigation. Then nothing counts as a jump.
     jump_allowance_m: Option<f64>,
     newest: Option<(S, TimeOfDay)>,
-    /// Where it was when it was last heard on an earlier connection.
+    /// The last sample of an earlier connection.
     before: Option<S>,
-    /// Since when it has come without a pause.
+    /// Since when samples have come without a pause.
     since: Option<Timestamp>,
     jumped_at: Option<Timestamp>,
 }
 
 impl<S: Placed> Track<S> {
-    /// Follows nothing yet. Where it is watched, station keeping is judged by it.
+    /// Makes a track without a sample. If it is watched, station keeping is judged by it.
     pub(crate) fn new(limits: &Limits, watched: bool) -> Self {
         let station = limits.station.as_ref();
         let station_mps = station.map_or(0.0, |station| station.speed_max_mps.max(station.speed_default_mps));
         Self {
             age_max: station.map_or(Duration::from_secs(1), |station| station.relative_age_max()),
-            // Its mission may be faster than its moves.
+            // The vehicle may be faster on its mission than on its moves.
             speed_max_mps: station_mps.max(limits.speed_max_mps) + limits.current_max_mps,
             jump_allowance_m: station.filter(|_| watched).map(|station| station.jump_allowance_m),
             newest: None,
@@ -78,19 +78,19 @@ impl<S: Placed> Track<S> {
         }
     }
 
-    /// A new connection: the vehicle is not elsewhere for it.
+    /// A new connection. The vehicle has not moved because of it, so the last sample is kept to find a jump.
     pub(crate) fn reset(&mut self) {
         self.before = self.newest.take().map(|(sample, _)| sample).or(self.before);
         self.since = None;
     }
 
-    /// Whether a message is newer than the newest, by the time of its solution, and that time can be.
+    /// Whether the solution of a message is newer than the newest one, and its time is possible.
     pub(crate) fn advances(&self, created: TimeOfDay, solution: TimeOfDay) -> bool {
         elapsed_nanos(created, solution) <= AHEAD_MAX_NANOS
             && self.newest.is_none_or(|(_, last)| elapsed_nanos(last, solution) > 0)
     }
 
-    /// Takes a sample that advances. By how many metres it has jumped, if it has.
+    /// Takes a sample for which `advances` is true. Returns by how many metres it has jumped, if it has.
     pub(crate) fn take(&mut self, now: Timestamp, sample: S, solution: TimeOfDay) -> Option<f64> {
         if self.fresh(now).is_none() {
             self.since = Some(now);
@@ -108,7 +108,8 @@ impl<S: Placed> Track<S> {
         Some(metres)
     }
 
-    /// The vehicle is told where it is: what comes is elsewhere, however near, and must be steady again.
+    /// The vehicle is told where it is. What it reports from now on is in another frame, however near it looks, and
+    /// must be steady again.
     pub(crate) fn unsettle(&mut self, now: Timestamp) {
         self.jumped_at = Some(now);
     }
@@ -119,7 +120,7 @@ impl<S: Placed> Track<S> {
         (now.since(sample.measured()) <= self.age_max || !is_on(Check::RelativeFresh)).then_some(sample)
     }
 
-    /// The same, where it has been steady for long enough to be relied upon.
+    /// The same sample, if it has been steady for long enough to rely on it.
     pub(crate) fn steady(&self, now: Timestamp) -> Option<S> {
         let steady = self.since.is_some_and(|since| now.since(since) >= STEADY_AFTER_PAUSE)
             && self
@@ -128,7 +129,7 @@ impl<S: Placed> Track<S> {
         self.fresh(now).filter(|_| steady)
     }
 
-    /// When the newest sample will have become stale.
+    /// When the newest sample becomes stale.
     pub(crate) fn stale_at(&self) -> Option<Timestamp> {
         let (sample, _) = self.newest?;
         Some(sample.measured() + self.age_max + Duration::from_nanos(1))
@@ -171,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_solution_that_stands_still_ages_and_one_from_ahead_of_its_message_is_none() {
+    fn an_unchanged_solution_ages_and_one_later_than_its_message_is_invalid() {
         let mut track = track();
         track.take(Timestamp::ZERO, sample(0, 0.0), at(0));
         assert!(!track.advances(at(500), at(0)));
@@ -200,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn after_a_reset_it_must_be_steady_again_however_near() {
+    fn after_a_reset_it_must_be_steady_again_however_near_it_looks() {
         let mut track = track();
         for millis in (0..=1000).step_by(100) {
             track.take(Timestamp::from_millis(millis), sample(millis, 0.0), at(millis));
@@ -212,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_that_is_none_has_jumped() {
+    fn nan_counts_as_a_jump() {
         let mut track = track();
         track.take(Timestamp::ZERO, sample(0, 0.0), at(0));
         assert!(
@@ -223,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_connection_is_no_way_to_be_elsewhere() {
+    fn a_jump_across_a_new_connection_is_found() {
         let mut track = track();
         track.take(Timestamp::ZERO, sample(0, 0.0), at(0));
         track.reset();

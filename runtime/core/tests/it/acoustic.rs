@@ -50,14 +50,14 @@ fn open_window(trial: &mut Trial, seconds: f64) {
     trial.run_for(0.1);
 }
 
-/// In a window of ten minutes.
+/// A trial inside an acoustic window of ten minutes.
 fn in_window() -> Trial {
     let mut trial = Trial::with_under_way(setup());
     open_window(&mut trial, 600.0);
     trial
 }
 
-/// BFCPS for an identifier.
+/// The vehicle reports with a BFCPS on the packet with the identifier `request`.
 fn report(trial: &mut Trial, request: u32, statuses: &[FrameSentStatus]) {
     let mut all = [FrameSentStatus::Unset; 8];
     all[..statuses.len()].copy_from_slice(statuses);
@@ -72,7 +72,7 @@ fn report(trial: &mut Trial, request: u32, statuses: &[FrameSentStatus]) {
     trial.run_for(0.1);
 }
 
-/// A sentence that core's own table would not write.
+/// Core hears a sentence that its own table of messages would not write.
 fn hear_line(trial: &mut Trial, body: &str) {
     let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     trial.hear_bytes(format!("${body}*{sum:02X}\r\n").as_bytes());
@@ -115,7 +115,7 @@ fn a_packet_is_sent_in_its_window_and_ends_with_its_report() {
 }
 
 #[test]
-fn sr_009_a_refused_packet_has_failed_and_its_report_changes_nothing() {
+fn sr_009_a_refused_packet_fails_and_a_later_report_changes_nothing() {
     for reply in [
         Reply::Refuse,
         Reply::Nak,
@@ -136,7 +136,7 @@ fn sr_009_a_refused_packet_has_failed_and_its_report_changes_nothing() {
 }
 
 #[test]
-fn sr_009_without_an_acknowledgement_the_report_settles_it_or_a_minute_does() {
+fn sr_009_an_unacknowledged_packet_ends_with_its_report_or_after_a_minute() {
     for reply in [Reply::Silent, Reply::PendingForEver] {
         for reported in [true, false] {
             let mut trial = in_window();
@@ -160,7 +160,7 @@ fn sr_009_without_an_acknowledgement_the_report_settles_it_or_a_minute_does() {
 }
 
 #[test]
-fn sr_009_an_accepted_packet_that_the_modem_never_reports_has_timed_out() {
+fn sr_009_an_accepted_packet_without_a_report_times_out() {
     let mut trial = in_window();
     trial.ask(0, [small(1)]);
     trial.run_for(70.0);
@@ -168,7 +168,7 @@ fn sr_009_an_accepted_packet_that_the_modem_never_reports_has_timed_out() {
 }
 
 #[test]
-fn sr_009_a_packet_in_doubt_after_a_lost_link_is_settled_by_its_report_or_its_minute() {
+fn sr_009_a_packet_in_doubt_after_a_link_loss_ends_with_its_report_or_after_a_minute() {
     for (reply, doubt) in [(Reply::Silent, "unknown"), (Reply::Ok, "accepted")] {
         for reported in [true, false] {
             let mut trial = in_window();
@@ -184,7 +184,7 @@ fn sr_009_a_packet_in_doubt_after_a_lost_link_is_settled_by_its_report_or_its_mi
             trial.run_for(41.0);
             let end = if reported { "ended" } else { "timed out" };
             assert_eq!(shorts(&trial.states(1))[1..], [doubt, end]);
-            assert_eq!(trial.sent("CPD").len(), 1, "never twice");
+            assert_eq!(trial.sent("CPD").len(), 1, "the packet is never sent twice");
             assert_eq!(trial.core.open_requests(), 0);
         }
     }
@@ -198,7 +198,7 @@ fn sr_016_no_packet_leaves_outside_a_window() {
     assert!(trial.rejection(1).starts_with("window: "));
     open_window(&mut trial, 10.0);
     let end = windows(&trial)[0].until;
-    // It asks in every step, and the minute's limit is not what stops it.
+    // The plugin asks in every step, and the limit of packets a minute is too high to stop it.
     let limits = Limits {
         packets_per_min: 1000,
         ..limits()
@@ -212,16 +212,16 @@ fn sr_016_no_packet_leaves_outside_a_window() {
     let sent = trial.sent("CPD");
     assert!(sent.len() > 50, "{}", sent.len());
     assert!(sent[0] >= from);
-    // Each arrives before the end, were it as long on its way as may be.
+    // Even with the longest allowed link delay, each packet arrives before the window ends.
     let last = *sent.last().unwrap() + Duration::from_secs(1);
     assert!(last < from + Duration::from_secs(10), "{last} {end}");
     assert!(trial.rejection(2).starts_with("window: "));
 }
 
 #[test]
-fn sr_016_a_window_is_counted_on_the_vehicles_clock_across_midnight_and_from_when_it_was_said() {
+fn sr_016_a_window_runs_on_the_vehicles_clock_from_its_creation_even_across_midnight() {
     let mut trial = Trial::with(setup());
-    // 22:13:20 at the start, and five seconds to midnight for the vehicle.
+    // The trial starts at 22:13:20; after 5 s it is five seconds to midnight on the vehicle's clock.
     trial.vehicle.clock_nanos = (106 * 60 + 40 - 10) * 1_000_000_000;
     trial.run_for(5.0);
     assert_eq!(trial.vehicle.clock(trial.now).hms_nano(), (23, 59, 55, 0));
@@ -248,7 +248,7 @@ fn sr_016_a_window_is_counted_on_the_vehicles_clock_across_midnight_and_from_whe
 }
 
 #[test]
-fn sr_016_a_window_that_makes_no_sense_is_none_and_the_newest_holds() {
+fn sr_016_an_unusable_window_closes_the_old_one_and_the_newest_window_counts() {
     let nonsense = [-5.0, 0.0, 3601.0, 40_000.0, 1.5];
     for seconds in nonsense {
         let mut trial = in_window();
@@ -270,16 +270,19 @@ fn sr_016_a_window_that_makes_no_sense_is_none_and_the_newest_holds() {
     trial.run_for(9.0);
     trial.ask(0, [small(1)]);
     trial.run_for(0.3);
-    assert!(trial.rejection(1).starts_with("window: "), "the newest is shorter");
+    assert!(
+        trial.rejection(1).starts_with("window: "),
+        "the newest window is shorter, and counts"
+    );
 }
 
 #[test]
-fn sr_016_a_window_that_was_said_while_nobody_read_may_be_as_old_as_that() {
+fn sr_016_a_window_read_late_counts_as_old_as_the_pause_in_reading() {
     let mut trial = Trial::with_under_way(setup());
     trial.run_for(1.0);
     trial.asleep_until = trial.now + Duration::from_secs(18);
     trial.run_for(1.0);
-    // The vehicle's clock is ahead for a while, and what it says then looks younger than it is.
+    // The vehicle's clock is ahead for a while, so that its messages look newer than they are.
     trial.vehicle.clock_nanos += 30_000_000_000;
     trial.run_for(1.0);
     let said = window(&trial, 30.0);
@@ -309,7 +312,7 @@ fn sr_016_a_window_closes_with_the_link() {
 }
 
 #[test]
-fn sr_016_a_packet_needs_the_subscriptions_that_watch_over_it() {
+fn sr_016_a_packet_needs_the_subscription_to_its_report() {
     let mut trial = Trial::with(setup());
     trial.vehicle.replies.insert("LOG", Reply::Refuse);
     trial.run_for(2.0);
@@ -324,14 +327,14 @@ fn sr_016_a_packet_needs_the_subscriptions_that_watch_over_it() {
 }
 
 #[test]
-fn what_is_no_packet_is_rejected_and_takes_no_identifier() {
+fn an_invalid_packet_is_rejected_and_uses_no_identifier() {
     let mut trial = in_window();
     let whole: &[u8] = &[7; 256];
     let bad = [
         (packet(1, &[]), "0 frames"),
         (packet(2, &[b"a".as_slice(); 9]), "9 frames"),
         (packet(3, &[b"a".as_slice(), b""]), "frame 1 is empty"),
-        (packet(4, &[&[1; 5000]]), "frames of a packet is 5000"),
+        (packet(4, &[&[1; 5000]]), "size of a packet's frames is 5000"),
         (
             packet(5, &[whole, whole, whole, whole, whole, whole, whole, &[7; 384]]),
             "BPCPD",
@@ -360,7 +363,7 @@ fn what_is_no_packet_is_rejected_and_takes_no_identifier() {
 }
 
 #[test]
-fn identifiers_are_shared_with_the_inserts_and_reserved_on_disk_first() {
+fn packets_and_inserts_share_identifiers_which_are_reserved_on_disk_first() {
     let mut trial = in_window();
     trial.ask(0, [good_line(1), small(2), good_line(3), small(4)]);
     trial.run_for(0.5);
@@ -398,7 +401,7 @@ fn identifiers_are_shared_with_the_inserts_and_reserved_on_disk_first() {
 }
 
 #[test]
-fn sr_019_no_minute_has_more_packets_than_the_mission_allows() {
+fn sr_019_the_number_of_packets_a_minute_is_capped() {
     let mut trial = in_window();
     for plugin in 0..2 {
         trial.script(plugin, |_| (Duration::from_millis(1), Ok(vec![small(1)])));
@@ -412,7 +415,7 @@ fn sr_019_no_minute_has_more_packets_than_the_mission_allows() {
 }
 
 #[test]
-fn reports_of_others_twice_and_before_the_acknowledgement() {
+fn unrelated_and_repeated_reports_change_nothing_and_early_ones_count() {
     let mut trial = in_window();
     trial
         .vehicle
@@ -421,7 +424,7 @@ fn reports_of_others_twice_and_before_the_acknowledgement() {
     trial.ask(0, [small(1), small(2)]);
     trial.run_for(0.3);
     report(&mut trial, 77, ACKED);
-    assert_eq!(trial.core.open_requests(), 2, "another's");
+    assert_eq!(trial.core.open_requests(), 2, "the report is on another packet");
     report(&mut trial, 2, ACKED);
     report(&mut trial, 2, &[FrameSentStatus::FailedToSend]);
     trial.run_for(3.0);
@@ -431,7 +434,7 @@ fn reports_of_others_twice_and_before_the_acknowledgement() {
 }
 
 #[test]
-fn the_report_says_what_became_of_each_frame() {
+fn the_outcome_lists_the_status_of_each_frame() {
     use FrameSentStatus as S;
     let texts: [(&[S], &str); 4] = [
         (&[S::Acked], "1 frame: acked"),
@@ -450,7 +453,7 @@ fn the_report_says_what_became_of_each_frame() {
         trial.ask(0, [small(1)]);
         trial.run_for(0.3);
         if statuses.is_empty() {
-            // Never written so, but read.
+            // The table of messages never writes this form, but core reads it.
             hear_line(&mut trial, "BFCPS,221322.000,221322.000,1,0,0,0,0,0,0,0,0,0");
         } else {
             report(&mut trial, 1, statuses);
@@ -463,7 +466,7 @@ fn the_report_says_what_became_of_each_frame() {
 }
 
 #[test]
-fn a_packet_on_its_way_comes_to_its_outcome_whatever_becomes_of_control_and_plugin() {
+fn a_sent_packet_gets_its_outcome_even_if_control_or_its_plugin_is_lost() {
     type Act = fn(&mut Trial);
     let acts: [Act; 4] = [
         |trial| trial.operator(Operator::Hold),
@@ -490,7 +493,7 @@ fn a_packet_on_its_way_comes_to_its_outcome_whatever_becomes_of_control_and_plug
 }
 
 #[test]
-fn no_packet_breaks_a_silence_that_a_plugin_counts_on() {
+fn no_packet_is_sent_while_a_plugin_keeps_the_vehicle_silent() {
     let mut trial = in_window();
     let reply = Reply::Pending(Duration::from_millis(500), AckStatus::Succeeded);
     trial.vehicle.replies.insert("SIL", reply);
@@ -508,7 +511,7 @@ fn no_packet_breaks_a_silence_that_a_plugin_counts_on() {
 }
 
 #[test]
-fn received_packets_reach_those_who_listen_with_as_many_frames_as_they_say() {
+fn subscribed_plugins_receive_packets_with_the_announced_number_of_frames() {
     let mut setup = setup();
     setup.plugins[1].description.topics.clear();
     let mut trial = Trial::with_under_way(setup);
@@ -531,7 +534,7 @@ fn received_packets_reach_those_who_listen_with_as_many_frames_as_they_say() {
         data,
     };
     trial.hear_now([FromVehicle::from(message)]);
-    // Nothing at all, nine frames, and frames that end in the middle.
+    // No frame at all, nine frames, and a list of frames that ends in the middle.
     hear_line(&mut trial, "BFCPR,221322.000,221322.000,3,7,4,0");
     hear_line(&mut trial, "BFCPR,221322.000,221322.000,3,7,4,9,1,AA");
     hear_line(&mut trial, "BFCPR,221322.000,221322.000,3,7,4,2,1,AA");
@@ -548,7 +551,7 @@ fn received_packets_reach_those_who_listen_with_as_many_frames_as_they_say() {
         good,
         data: data.to_vec(),
     };
-    assert_eq!(packets.len(), 3, "nine frames are none");
+    assert_eq!(packets.len(), 3, "core drops the packet of nine frames");
     let first = &packets[0];
     assert_eq!((first.source, first.destination, first.mode), (3, 9, None));
     assert_eq!(
@@ -572,16 +575,16 @@ fn sr_001_a_packet_needs_the_grant() {
     trial.ask(0, [small(1)]);
     trial.run_for(0.3);
     assert!(trial.rejection(1).contains("does not grant `acoustic`"));
-    assert_eq!(windows(&trial).len(), 1, "it may listen all the same");
+    assert_eq!(windows(&trial).len(), 1, "it may still listen without the grant");
 }
 
 #[test]
-fn sr_016_a_clock_that_is_found_to_be_ahead_brings_the_windows_end_nearer() {
+fn sr_016_the_windows_end_moves_nearer_when_the_vehicles_clock_is_found_to_be_ahead() {
     let mut trial = Trial::with(setup());
     trial.vehicle.clock_nanos -= 6_000_000_000;
     trial.run_for(3.0);
     open_window(&mut trial, 20.0);
-    // What came late had made it look behind.
+    // As if late messages had made the vehicle's clock look behind until now.
     trial.vehicle.clock_nanos += 6_000_000_000;
     // Navigation has to be steady again.
     trial.run_for(11.5);

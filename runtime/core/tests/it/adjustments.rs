@@ -111,7 +111,7 @@ fn started() -> Trial {
 }
 
 #[test]
-fn a_trim_is_accepted_when_it_begins_started_by_its_status_and_ended_by_the_final_one() {
+fn a_trim_is_accepted_by_its_acknowledgement_and_started_and_ended_by_its_status() {
     let mut trial = started();
     trim(&mut trial, InProgress);
     trim(&mut trial, Completed);
@@ -136,7 +136,7 @@ fn a_trim_is_accepted_when_it_begins_started_by_its_status_and_ended_by_the_fina
         sum,
         format!("{:02X}", body[1..].bytes().fold(0, |sum, byte| sum ^ byte))
     );
-    // Its plugin was told of it all, the other one of the estimates alone.
+    // The plugin that asked learns everything; the other one learns only the estimates.
     let samples = |plugin: usize| {
         let events = trial.events(plugin).into_iter();
         let mut trims = events.filter_map(|event| match event {
@@ -160,7 +160,7 @@ fn a_trim_is_accepted_when_it_begins_started_by_its_status_and_ended_by_the_fina
 }
 
 #[test]
-fn a_buoyancy_adjustment_is_its_own_affair() {
+fn a_buoyancy_adjustment_is_independent_of_a_trim() {
     let mut trial = under_way();
     trial.ask(0, [Request::Buoyancy(1), Request::Trim(2)]);
     trial.run_for(0.5);
@@ -188,7 +188,7 @@ fn a_buoyancy_adjustment_is_its_own_affair() {
 }
 
 #[test]
-fn one_that_fails_after_it_has_begun_has_failed_with_the_error_and_the_text() {
+fn an_adjustment_that_fails_after_its_start_reports_the_error_and_the_text() {
     for (error, name) in [
         (AdjustmentError::Failed, "the operation failed"),
         (AdjustmentError::Canceled, "the operation was cancelled"),
@@ -202,12 +202,16 @@ fn one_that_fails_after_it_has_begun_has_failed_with_the_error_and_the_text() {
         assert!(text.to_string().starts_with(name), "{text}");
         trial.ask(0, [Request::Trim(2)]);
         trial.run_for(0.5);
-        assert_eq!(shorts(&trial.states(2))[0], "sent", "the next one may be asked for");
+        assert_eq!(
+            shorts(&trial.states(2))[0],
+            "sent",
+            "the next adjustment can be requested"
+        );
     }
 }
 
 #[test]
-fn sr_009_one_that_is_refused_or_not_answered_ends_so() {
+fn sr_009_a_refused_adjustment_fails_and_an_unanswered_one_times_out() {
     for (reply, end) in [
         (Reply::Refuse, "failed"),
         (Reply::Nak, "failed"),
@@ -229,8 +233,8 @@ fn sr_009_one_that_is_refused_or_not_answered_ends_so() {
 }
 
 #[test]
-fn what_comes_before_the_acknowledgement_may_be_of_another_adjustment() {
-    // The end of one that the vehicle had begun by itself.
+fn status_before_the_acknowledgement_may_belong_to_another_adjustment() {
+    // This is the end of an adjustment that the vehicle had begun by itself.
     let mut trial = sent();
     trim(&mut trial, InProgress);
     trim(&mut trial, Completed);
@@ -239,7 +243,7 @@ fn what_comes_before_the_acknowledgement_may_be_of_another_adjustment() {
     trim(&mut trial, InProgress);
     trim_error(&mut trial, Failed, AdjustmentError::Failed);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "started", "failed"]);
-    // Progress that is seen before the acknowledgement and goes on is ours after it.
+    // An adjustment that is in progress before the acknowledgement and goes on counts as ours after it.
     let mut trial = sent();
     trim(&mut trial, InProgress);
     assert_eq!(shorts(&trial.states(1)), ["sent"]);
@@ -248,7 +252,7 @@ fn what_comes_before_the_acknowledgement_may_be_of_another_adjustment() {
 }
 
 #[test]
-fn one_that_was_over_at_once_ends_when_the_vehicle_has_been_idle_for_a_while() {
+fn an_adjustment_without_a_seen_start_ends_once_the_vehicle_has_been_idle_for_a_while() {
     let mut trial = sent();
     trim(&mut trial, Completed);
     trial.run_for(1.5);
@@ -256,30 +260,30 @@ fn one_that_was_over_at_once_ends_when_the_vehicle_has_been_idle_for_a_while() {
     assert_eq!(
         shorts(&trial.states(1)),
         ["sent", "accepted"],
-        "it may be about to begin"
+        "the adjustment may be about to begin"
     );
     trial.run_for(10.0);
     trim(&mut trial, Idle);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "ended"]);
-    // One that has been seen at it is over as soon as the vehicle is idle.
+    // An adjustment that was seen in progress is over as soon as the vehicle is idle.
     let mut trial = started();
     trim(&mut trial, Idle);
     assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"));
-    // It need not have been seen.
+    // A final status ends it, even if it was never seen in progress.
     let mut trial = accepted();
     trim(&mut trial, Completed);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "ended"]);
 }
 
 #[test]
-fn a_behavior_of_its_type_shows_that_it_has_begun_and_no_other_does() {
+fn only_a_behavior_of_the_adjustments_type_shows_that_it_has_begun() {
     let mut trial = accepted();
     behavior(&mut trial, true, "buoyancy adjustment");
     behavior(&mut trial, true, "setpoint");
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
     behavior(&mut trial, true, "TrimAdjustment");
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "started"]);
-    // It ends, and no final status comes.
+    // The behavior ends, but no final status comes.
     behavior(&mut trial, false, "TrimAdjustment");
     trial.run_for(20.0);
     assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"));
@@ -307,7 +311,7 @@ fn status_without_a_request_only_informs() {
 }
 
 #[test]
-fn one_that_is_never_heard_of_again_has_timed_out_after_25_minutes() {
+fn an_adjustment_without_further_status_times_out_after_25_minutes() {
     for trial in [&mut accepted(), &mut started()] {
         trial.run_for(24.9 * 60.0);
         assert_eq!(trial.core.open_requests(), 1);
@@ -317,7 +321,7 @@ fn one_that_is_never_heard_of_again_has_timed_out_after_25_minutes() {
 }
 
 #[test]
-fn sr_009_a_lost_link_leaves_one_in_doubt_until_its_status_tells() {
+fn sr_009_an_adjustment_in_doubt_after_a_link_loss_is_resolved_by_its_status() {
     let resolved = |status: AdjustmentStatus| {
         let mut trial = sent();
         trial.cut();
@@ -338,7 +342,7 @@ fn sr_009_a_lost_link_leaves_one_in_doubt_until_its_status_tells() {
     trial.cut();
     trial.run_for(25.5 * 60.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "unknown", "timed out"]);
-    // What has begun goes on.
+    // An adjustment that has begun goes on over a link loss.
     let mut trial = started();
     trial.cut();
     trial.run_for(3.0);
@@ -347,7 +351,7 @@ fn sr_009_a_lost_link_leaves_one_in_doubt_until_its_status_tells() {
 }
 
 #[test]
-fn it_outlives_its_plugin_control_and_the_operators_hold() {
+fn an_adjustment_outlives_its_plugin_control_and_the_operators_hold() {
     let mut trial = started();
     trial.fail(0, FaultKind::Trap);
     trial.run_for(0.5);
@@ -361,7 +365,7 @@ fn it_outlives_its_plugin_control_and_the_operators_hold() {
 }
 
 #[test]
-fn the_missions_end_is_its_end() {
+fn an_adjustment_ends_with_the_mission() {
     let mut trial = started();
     let now = trial.now;
     trial.vehicle.set_status(now, "Completed");
@@ -379,7 +383,7 @@ fn the_missions_end_is_its_end() {
 }
 
 #[test]
-fn sr_019_it_needs_its_grant_its_subscription_and_that_none_is_under_way_and_is_capped() {
+fn sr_019_adjustments_are_capped_and_need_a_grant_a_subscription_and_no_other_under_way() {
     let mut trial = Trial::under_way();
     trial.ask(0, [Request::Trim(1), Request::Buoyancy(2)]);
     trial.run_for(0.5);
@@ -419,7 +423,7 @@ fn sr_019_it_needs_its_grant_its_subscription_and_that_none_is_under_way_and_is_
 }
 
 #[test]
-fn answers_twice_late_or_for_something_else_change_nothing() {
+fn repeated_late_and_unrelated_answers_change_nothing() {
     let mut trial = started();
     let sent = trial.commands("TRM")[0].1.created().unwrap();
     let now = trial.now;
@@ -434,7 +438,7 @@ fn answers_twice_late_or_for_something_else_change_nothing() {
 }
 
 #[test]
-fn a_flood_of_requests_sends_one() {
+fn a_flood_of_requests_sends_one_adjustment() {
     let mut trial = under_way();
     for _ in 0..20 {
         trial.ask(0, (0..50).map(|tag| Request::Trim(100 + tag)));
@@ -445,7 +449,7 @@ fn a_flood_of_requests_sends_one() {
 }
 
 #[test]
-fn sr_010_an_adjustment_beside_an_interrupting_insert_does_not_end_it() {
+fn sr_010_an_adjustment_during_an_interrupting_insert_does_not_end_the_insert() {
     let mut plugins = setup();
     plugins.plugins[0].grants.extend([Grant::Insert, Grant::Interrupt]);
     let mut trial = Trial::with_under_way(plugins);

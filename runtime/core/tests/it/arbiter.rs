@@ -1,4 +1,4 @@
-//! What several plugins may do beside each other: priority, and what each may use of what the mission allows to all.
+//! Several plugins beside each other: their priority, and each one's share of what the mission allows to all.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ fn limited(of_first: PluginLimits) -> Trial {
 }
 
 #[test]
-fn sr_019_a_plugins_own_inserts_are_capped_in_number_and_the_others_keep_theirs() {
+fn sr_019_a_plugins_own_cap_on_inserts_does_not_limit_the_other_plugins() {
     let mut trial = limited(PluginLimits {
         inserts_open_max: Some(1),
         inserts_total_max: Some(2),
@@ -47,12 +47,12 @@ fn sr_019_a_plugins_own_inserts_are_capped_in_number_and_the_others_keep_theirs(
         "{}",
         trial.rejection(6)
     );
-    // What was rejected has not been counted.
+    // A rejected request does not count.
     assert_eq!(trial.commands("RTK").len(), 4);
 }
 
 #[test]
-fn sr_019_a_plugins_own_inserts_are_capped_in_duration() {
+fn sr_019_the_duration_of_a_plugins_own_inserts_is_capped() {
     let mut trial = limited(PluginLimits {
         inserts_duration_max_s: Some(1500.0),
         ..PluginLimits::default()
@@ -71,7 +71,7 @@ fn sr_019_a_plugins_own_inserts_are_capped_in_duration() {
 }
 
 #[test]
-fn sr_019_a_plugins_time_at_the_helm_is_capped_and_counted_as_it_was_used() {
+fn sr_019_a_plugins_steering_time_is_capped_and_only_used_time_counts() {
     let mut trial = limited(PluginLimits {
         steering_max_s: Some(60.0),
         ..PluginLimits::default()
@@ -79,7 +79,7 @@ fn sr_019_a_plugins_time_at_the_helm_is_capped_and_counted_as_it_was_used() {
     trial.ask(0, [modify_for(1, Duration::from_secs(61))]);
     trial.run_for(0.2);
     assert_eq!(shorts(&trial.states(1)), ["rejected"]);
-    // Thirty seconds, renewed after ten, given back after twenty: twenty are used.
+    // The plugin asks for thirty seconds, renews after ten and ends after twenty: it has used twenty.
     trial.ask(0, [modify_for(2, Duration::from_secs(30))]);
     trial.run_for(10.0);
     trial.ask(0, [modify_for(2, Duration::from_secs(30))]);
@@ -98,7 +98,7 @@ fn sr_019_a_plugins_time_at_the_helm_is_capped_and_counted_as_it_was_used() {
     trial.ask(0, [modify_for(4, Duration::from_secs(35))]);
     trial.run_for(36.0);
     assert_eq!(shorts(&trial.states(4)), ["sent", "accepted", "ended"]);
-    // Nothing is left of it, and the other one has its own.
+    // The first plugin has no time left; the second one has its own.
     trial.ask(0, [modify_for(5, Duration::from_secs(10))]);
     trial.ask(1, [modify_for(6, Duration::from_secs(60))]);
     trial.run_for(0.5);
@@ -107,7 +107,7 @@ fn sr_019_a_plugins_time_at_the_helm_is_capped_and_counted_as_it_was_used() {
 }
 
 #[test]
-fn sr_019_time_at_the_helm_counts_where_another_takes_it_too() {
+fn sr_019_steering_time_also_counts_if_another_plugin_takes_over() {
     let mut setup = Setup::default();
     setup.plugins[1].limits.steering_max_s = Some(40.0);
     let mut trial = Trial::with_under_way(setup);
@@ -129,16 +129,16 @@ fn sr_019_time_at_the_helm_counts_where_another_takes_it_too() {
 }
 
 #[test]
-fn sr_019_a_plugins_own_rate_is_the_lower_of_the_two() {
+fn sr_019_the_lower_of_the_missions_and_the_plugins_own_rate_applies() {
     let rejected = |own: Option<u32>| {
         let mut trial = limited(PluginLimits {
             requests_per_s: own,
             ..PluginLimits::default()
         });
-        // Lines of no length: each is taken and rejected for what it is, while the rate allows it.
+        // These cancel unknown tags: while the rate allows it, each is taken and rejected for its own reason.
         trial.ask(0, (0..30).map(|tag| Request::Cancel(tag + 100)));
         trial.run_for(0.3);
-        // The log has a count of them, the plugin is told of each.
+        // The log has only a count of these; the plugin learns each one.
         let over = |event: &&Event| match event {
             Event::Outcome {
                 state: RequestState::Rejected(refusal),
@@ -152,7 +152,7 @@ fn sr_019_a_plugins_own_rate_is_the_lower_of_the_two() {
 }
 
 #[test]
-fn sr_006_sr_019_what_a_flooding_plugin_is_refused_takes_nothing_from_the_others() {
+fn sr_006_sr_019_the_refused_requests_of_a_flooding_plugin_cost_the_others_nothing() {
     let setup = Setup {
         limits: Limits {
             inserts_total_max: 3,
@@ -161,7 +161,7 @@ fn sr_006_sr_019_what_a_flooding_plugin_is_refused_takes_nothing_from_the_others
         ..Setup::default()
     };
     let mut trial = Trial::with_under_way(setup);
-    // A thousand lines out of the box in each step, and a modify into the wreck.
+    // In each step the first plugin asks for a thousand lines that leave the box.
     trial.script(0, |_| {
         let bad = (0..1000).map(|tag| Request::Trackline(line(1000 + tag, (0.0, 0.0), (9000.0, 0.0))));
         (Duration::from_millis(1), Ok(bad.collect()))

@@ -1,4 +1,4 @@
-//! The vehicle's clock: its time is data, and nothing of it costs more than it must.
+//! The vehicle's clock: its time is data, and whatever it does costs no more control than it must.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use crate::trial::{Setup, Trial};
 const SECOND: i64 = 1_000_000_000;
 const HOUR: i64 = 3600 * SECOND;
 
-/// A dive whose vehicle's clock says this many seconds before midnight at its start.
+/// A dive that starts this many seconds before midnight on the vehicle's clock.
 fn before_midnight(seconds: i64) -> Trial {
     let mut trial = Trial::new();
     let clock = i64::try_from(trial.vehicle.clock(Timestamp::ZERO).as_nanos()).unwrap();
@@ -25,7 +25,7 @@ fn steer(trial: &mut Trial) {
     assert!(trial.core.is_steering(), "{:?}", trial.states(1));
 }
 
-/// What was told of the offset: ours less the vehicle's, seconds.
+/// The offsets that core reported: our clock less the vehicle's, in seconds.
 fn offsets(trial: &Trial) -> Vec<f64> {
     let told = |(_, note)| match note {
         Note::Clock { offset_s, .. } => Some(offset_s),
@@ -42,14 +42,14 @@ fn late_sentences(trial: &Trial) -> bool {
 }
 
 #[test]
-fn midnight_on_either_clock_costs_nothing_whichever_comes_first() {
-    // Ours stands at 22:13:20 and passes midnight when the trial's start says so.
+fn midnight_on_either_clock_ends_no_lease() {
+    // Our clock starts this long before midnight.
     for (ours_before_s, vehicle_ahead_s) in [(10, 5), (10, -5), (10, 3600), (10, -3600), (10, 0), (10, 43_200)] {
         let mut setup = Setup::default();
         let start = 1_700_006_400 - ours_before_s;
         setup.start.utc = backseat_units::Utc::from_unix_nanos(start * 1_000_000_000);
         let mut trial = Trial::with(setup);
-        // The vehicle's own counts from its start at 22:13:20.
+        // The vehicle's clock counts from 22:13:20 at the start of the trial.
         trial.vehicle.clock_nanos = i64::try_from(start - 1_700_000_000).unwrap() * SECOND + vehicle_ahead_s * SECOND;
         trial.run_for(3.0);
         steer(&mut trial);
@@ -63,7 +63,7 @@ fn midnight_on_either_clock_costs_nothing_whichever_comes_first() {
 }
 
 #[test]
-fn a_leap_second_costs_nothing() {
+fn a_leap_second_ends_no_lease() {
     for delay_ms in [5, 80] {
         let mut trial = before_midnight(10);
         trial.delay = Duration::from_millis(delay_ms);
@@ -76,7 +76,7 @@ fn a_leap_second_costs_nothing() {
         let told = offsets(&trial);
         let step = told.last().unwrap() - told[0];
         assert!((step - 1.0).abs() < 0.05, "{told:?}");
-        // Ages are counted as before: what is held up afterwards is old.
+        // Core still computes ages correctly: navigation that is delayed afterwards is old.
         trial.stalled_until = trial.now + Duration::from_millis(1500);
         trial.run_for(1.3);
         assert!(!trial.core.is_steering() && !trial.core.has_control());
@@ -84,7 +84,7 @@ fn a_leap_second_costs_nothing() {
 }
 
 #[test]
-fn hours_between_the_clocks_are_told_and_cost_nothing() {
+fn hours_between_the_clocks_are_reported_and_do_no_harm() {
     for hours in [-9, 1, 7] {
         let mut trial = Trial::new();
         trial.vehicle.clock_nanos = hours * HOUR;
@@ -100,8 +100,8 @@ fn hours_between_the_clocks_are_told_and_cost_nothing() {
 }
 
 #[test]
-fn sr_023_a_clock_that_is_set_ends_leases_for_ten_seconds_and_is_told() {
-    // By hours too: half a day forward is as much as half a day back.
+fn sr_023_setting_the_vehicles_clock_ends_leases_for_ten_seconds_and_is_reported() {
+    // Also by hours: half a day forward looks the same as half a day back.
     for millis in [
         300,
         1000,
@@ -114,7 +114,7 @@ fn sr_023_a_clock_that_is_set_ends_leases_for_ten_seconds_and_is_told() {
         -50_000_000i64,
     ] {
         let mut trial = Trial::under_way();
-        // The first note of the offset is some time ago.
+        // The first report of the offset is then some time ago.
         trial.run_for(10.0);
         steer(&mut trial);
         trial.vehicle.clock_nanos += millis * 1_000_000;
@@ -139,7 +139,7 @@ fn sr_023_a_clock_that_is_set_ends_leases_for_ten_seconds_and_is_told() {
 }
 
 #[test]
-fn clocks_that_drift_apart_cost_nothing() {
+fn drifting_clocks_end_no_lease() {
     for parts_per_million in [-90, 90] {
         let mut trial = Trial::under_way();
         trial.ask(0, [modify_for(1, Duration::from_secs(60))]);
@@ -152,7 +152,7 @@ fn clocks_that_drift_apart_cost_nothing() {
             "{parts_per_million} ppm: {:?}",
             trial.lease_ends()
         );
-        // An hour's drift in one step of the time that it takes.
+        // Two more minutes of the same drift, in steps of 0.2 s.
         for _ in 0..600 {
             trial.run_for(0.2);
             trial.vehicle.clock_nanos += parts_per_million * 200;

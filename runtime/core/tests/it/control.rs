@@ -8,7 +8,7 @@ use backseat_units::Timestamp;
 use crate::course::{good_line, modify};
 use crate::trial::{Seen, Setup, Trial};
 
-/// Tells the vehicle to say it and lets it arrive.
+/// Lets the vehicle say something, and waits until it has arrived.
 fn tell(trial: &mut Trial, say: impl FnOnce(&mut crate::vehicle::Vehicle, Timestamp)) {
     let now = trial.now;
     say(&mut trial.vehicle, now);
@@ -82,7 +82,7 @@ fn sr_001_each_condition_of_control_is_needed() {
 }
 
 #[test]
-fn sr_001_a_status_of_junk_takes_control_away() {
+fn sr_001_any_status_other_than_running_takes_control_away() {
     for junk in ["", " ", "running", "Not Running", "WrappingUp"] {
         let mut trial = Trial::steering();
         tell(&mut trial, |vehicle, now| vehicle.set_status(now, junk));
@@ -98,13 +98,13 @@ fn sr_001_after_a_link_loss_control_is_unknown_until_the_vehicle_says_it_again()
     trial.run_for(30.0);
     assert!(!trial.core.has_control());
     tell(&mut trial, |vehicle, now| vehicle.set_control(now, true));
-    assert!(!trial.core.has_control(), "the mission's status is unknown still");
+    assert!(!trial.core.has_control(), "the mission's status is still unknown");
     tell(&mut trial, |vehicle, now| vehicle.set_status(now, "Running"));
     assert!(trial.core.has_control());
 }
 
 #[test]
-fn the_running_hook_hands_over_with_the_mission_and_bfctl_means_nothing() {
+fn the_running_hook_gives_control_with_the_mission_and_ignores_bfctl() {
     let settings = Settings {
         control: ControlHook::Running,
         ..Settings::default()
@@ -121,7 +121,7 @@ fn the_running_hook_hands_over_with_the_mission_and_bfctl_means_nothing() {
 }
 
 #[test]
-fn the_mission_command_hook_hands_over_with_its_text_alone() {
+fn the_mission_command_hook_gives_control_only_on_its_exact_text() {
     let hook = ControlHook::MissionCommand {
         grant: "backseat go".to_owned(),
         revoke: "backseat stop".to_owned(),
@@ -135,7 +135,7 @@ fn the_mission_command_hook_hands_over_with_its_text_alone() {
         ..Setup::default()
     });
     trial.run_for(2.0);
-    assert!(!trial.core.has_control(), "BFCTL means nothing");
+    assert!(!trial.core.has_control(), "BFCTL is ignored");
     let command = |trial: &mut Trial, text: &str| {
         let created = trial.vehicle.clock(trial.now);
         let text = Text::cleaned(text);
@@ -175,7 +175,7 @@ fn sr_014_control_taken_and_given_back_in_one_read_ends_the_lease() {
 }
 
 #[test]
-fn sr_014_without_control_only_what_may_be_said_then_is_said() {
+fn sr_014_without_control_only_permitted_messages_leave() {
     let mut trial = Trial::steering();
     trial.ask(0, [good_line(2)]);
     trial.run_for(0.5);
@@ -198,7 +198,7 @@ fn sr_014_without_control_only_what_may_be_said_then_is_said() {
 }
 
 #[test]
-fn not_armed_nothing_that_steers_leaves_and_all_else_does() {
+fn an_unarmed_runtime_sends_everything_except_what_steers() {
     let setup = Setup::default();
     let start = Start {
         armed: false,
@@ -220,12 +220,12 @@ fn not_armed_nothing_that_steers_leaves_and_all_else_does() {
 }
 
 #[test]
-fn sr_011_before_power_goes_plugins_are_told_and_the_logs_closed_within_ten_seconds() {
+fn sr_011_before_power_off_plugins_are_informed_and_the_logs_close_within_ten_seconds() {
     let mut trial = Trial::steering();
     let told = trial.now;
     for _ in 0..15 {
         let created = trial.vehicle.clock(trial.now);
-        // A vehicle may say it again and again.
+        // A vehicle may repeat its announcement.
         tell(&mut trial, |vehicle, now| {
             vehicle.say(now, backseat_spi::Shutdown { created })
         });
@@ -245,7 +245,7 @@ fn sr_011_before_power_goes_plugins_are_told_and_the_logs_closed_within_ten_seco
 }
 
 #[test]
-fn sr_011_a_runtime_that_wakes_after_its_time_was_over_says_nothing_more() {
+fn sr_011_a_runtime_that_wakes_after_the_shutdown_time_sends_nothing() {
     let mut trial = Trial::under_way();
     let created = trial.vehicle.clock(trial.now);
     tell(&mut trial, |vehicle, now| {

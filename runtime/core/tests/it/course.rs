@@ -1,4 +1,4 @@
-//! Where the trials take place: a fence of some four by four kilometres at 42 N 70 W, the plan in it, and its figures.
+//! The scene of the trials: a fence of some four by four kilometres at 42 N 70 W, the plan inside it, and the limits.
 
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
@@ -39,6 +39,15 @@ pub(crate) fn harbour() -> Fence {
     Fence::from_geojson(HARBOUR).unwrap()
 }
 
+/// The harbour with a keep-out zone that holds from 30 m down. It lies 760 to 800 m west of the middle and 400 to 600 m
+/// north of it.
+pub(crate) fn harbour_with_pit() -> Fence {
+    let pit = r#"{"type":"Feature","properties":{"name":"pit","kind":"keep-out","margin_m":10,"depth_min_m":30},
+ "geometry":{"type":"Polygon","coordinates":[[[-70.00965,42.0036],[-70.00917,42.0036],[-70.00917,42.0054],[-70.00965,42.0054],[-70.00965,42.0036]]]}},"#;
+    let (before, zones) = HARBOUR.split_once('\n').unwrap();
+    Fence::from_geojson(&format!("{before}\n{pit}\n{zones}")).unwrap()
+}
+
 /// The planned behaviors by number: a line to the east, then two waypoints.
 pub(crate) const PLAN: [(u32, &[(f64, f64)]); 3] = [
     (1, &[(-600.0, 0.0), (600.0, 0.0)]),
@@ -46,7 +55,7 @@ pub(crate) const PLAN: [(u32, &[(f64, f64)]); 3] = [
     (3, &[(0.0, 300.0)]),
 ];
 
-/// Of a vehicle that may be set down at another depth, over another seabed.
+/// Integrity limits under which a test may put the vehicle at another depth, or over another seabed, at once.
 pub(crate) const LIFTED: IntegrityLimits = IntegrityLimits {
     speed_max_mps: None,
     position_step_m: 10.0,
@@ -106,7 +115,7 @@ pub(crate) fn envelope_of(fence: Fence, limits: Limits) -> Arc<Envelope> {
     Arc::new(Envelope::new(fence, limits))
 }
 
-/// A plugin that may do all and hears all, stepped every 100 ms.
+/// A plugin with the usual grants and topics, stepped every 100 ms.
 pub(crate) fn plugin(name: &str) -> PluginSetup {
     PluginSetup {
         name: name.to_owned(),
@@ -126,7 +135,7 @@ pub(crate) fn at(east_m: f64, north_m: f64) -> PositionRequest {
     fence().frame().to_position(EastNorth::new(east_m, north_m)).into()
 }
 
-/// East at 20 m and 1.5 m/s for 30 s.
+/// A modify: east at a depth of 20 m and 1.5 m/s for 30 s.
 pub(crate) fn modify(tag: u64) -> ModifyRequest {
     ModifyRequest {
         tag,
@@ -137,7 +146,7 @@ pub(crate) fn modify(tag: u64) -> ModifyRequest {
     }
 }
 
-/// As [`modify`], with another heading.
+/// Like [`modify`], with another heading.
 pub(crate) fn turn(tag: u64, heading_deg: f64) -> Request {
     Request::Modify(ModifyRequest {
         heading_deg,
@@ -145,7 +154,7 @@ pub(crate) fn turn(tag: u64, heading_deg: f64) -> Request {
     })
 }
 
-/// As [`modify`], with another term.
+/// Like [`modify`], with another term.
 pub(crate) fn modify_for(tag: u64, duration: Duration) -> Request {
     Request::Modify(ModifyRequest {
         duration,
@@ -164,12 +173,12 @@ pub(crate) fn line(tag: u64, from: (f64, f64), to: (f64, f64)) -> TracklineReque
     }
 }
 
-/// A line of 300 m in the midst of the box.
+/// A line of 300 m in the middle of the box.
 pub(crate) fn good_line(tag: u64) -> Request {
     Request::Trackline(line(tag, (0.0, 500.0), (300.0, 500.0)))
 }
 
-/// As [`good_line`], at once.
+/// Like [`good_line`], but it interrupts the current behavior.
 pub(crate) fn interrupting(tag: u64) -> Request {
     Request::Trackline(TracklineRequest {
         interrupt: true,

@@ -1,6 +1,6 @@
 //! A day at sea in one run: from before midnight over a leap second to the next evening, on a link that splits, joins,
-//! corrupts and breaks, with a plugin that modifies and inserts all the while. Nothing is lost but what was cut, and the
-//! ledger is closed at its end.
+//! corrupts and breaks, with a plugin that asks for modifies and inserts all the time. Core loses nothing except the
+//! sentences that were cut, and at the end every request has its outcome.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -19,11 +19,11 @@ use crate::trial::{Seen, Setup, Trial};
 use crate::vehicle::Reply;
 
 const DAY_S: f64 = 86_400.0;
-/// The dive begins this long before midnight on the vehicle's clock, seconds.
+/// The dive begins this many seconds before midnight on the vehicle's clock.
 const BEFORE_MIDNIGHT_S: u64 = 1800;
-/// Ours is this much behind the vehicle's, so that the two midnights are two events, seconds.
+/// Our clock is this many seconds behind the vehicle's, so that the two midnights are two events.
 const BEHIND_S: u64 = 300;
-/// Around each midnight nothing else happens for this long to either side, seconds.
+/// For this many seconds before and after each midnight nothing else happens.
 const QUIET_S: f64 = 40.0;
 
 /// Splitmix64 (Steele, Lea, Flood, OOPSLA 2014): the day is the same each time.
@@ -47,11 +47,11 @@ impl Chance {
     }
 }
 
-/// The bad line between vehicle and payload, and what core must have counted of it.
+/// The bad line between vehicle and payload, and what core must have counted on it.
 struct BadLine {
     chance: Chance,
     counts: FrameCounts,
-    /// Nothing is wrong with it for the time being.
+    /// Whether nothing is wrong with the line at the moment.
     good: bool,
 }
 
@@ -78,7 +78,7 @@ impl BadLine {
         out
     }
 
-    /// The sentence with another digit in it.
+    /// Writes the sentence with one digit changed.
     fn corrupt(&mut self, sentence: &[u8], out: &mut Vec<u8>) {
         let mut copy = sentence.to_vec();
         let digits: Vec<usize> = (0..copy.len()).filter(|at| copy[*at].is_ascii_digit()).collect();
@@ -88,7 +88,7 @@ impl BadLine {
         self.counts.checksum_invalid += 1;
     }
 
-    /// Something that does not belong there, before a sentence.
+    /// Writes something that does not belong there, before a sentence.
     fn disturb(&mut self, sentence: &[u8], out: &mut Vec<u8>) {
         let bare = &sentence[..sentence.len() - "*HH\r\n".len()];
         match self.chance.below(12) {
@@ -123,7 +123,7 @@ impl BadLine {
                 self.counts.sentences += 1;
             }
             9 => {
-                // A sentence in form, whose fields are none.
+                // A well-formed sentence with invalid fields.
                 out.extend_from_slice(&checked("BFNVG,at noon,,,,,"));
                 self.counts.sentences += 1;
             }
@@ -140,7 +140,7 @@ impl BadLine {
     }
 }
 
-/// What the plugin hears of, by the message that it comes from.
+/// The message of the vehicle that an event of the plugin comes from.
 fn message_of(event: &Event) -> Option<&'static str> {
     match event {
         Event::Ctd(_) => Some("BFCTD"),
@@ -171,7 +171,8 @@ const HEARD: [&str; 15] = [
     "BFDV2", "BFIMU", "BFPIT",
 ];
 
-/// The example of each message that is not navigation and steers nothing, at the vehicle's time.
+/// The example of each message of the vehicle, with the vehicle's time, except those on which control, navigation, plan
+/// or acknowledgements depend.
 fn traffic(time: TimeOfDay) -> Vec<(&'static str, Vec<u8>)> {
     let (hour, minute, second, nanos) = time.hms_nano();
     let time = format!("{hour:02}{minute:02}{second:02}.{:03}", nanos / 1_000_000);
@@ -199,7 +200,7 @@ fn traffic(time: TimeOfDay) -> Vec<(&'static str, Vec<u8>)> {
         .collect()
 }
 
-/// Each request and the ends that it came to, and what else of the day is counted.
+/// How often each request has ended, and the other counts of the day.
 #[derive(Default)]
 struct Books {
     ends: BTreeMap<u64, u32>,
@@ -213,7 +214,7 @@ struct Books {
 }
 
 impl Books {
-    /// Enters what has been seen, and forgets it.
+    /// Counts what the trial has seen, and clears it.
     fn enter(&mut self, trial: &mut Trial) {
         for (at, seen) in trial.seen.drain(..) {
             match seen {
@@ -260,7 +261,7 @@ impl Books {
     }
 }
 
-/// Modifies and inserts in turn, and takes some of it back.
+/// Asks for modifies and inserts in turn, and takes some of them back.
 fn surveyor(mut chance: Chance) -> impl FnMut(&StepInput) -> Vec<Request> {
     let (mut tag, mut inserted) = (0, 0);
     move |input| {
@@ -321,14 +322,14 @@ fn setup() -> Setup {
     setup
 }
 
-/// What happens between the quiet times: one thing or none.
+/// Makes one thing happen, or none, between the quiet times.
 fn happen(trial: &mut Trial, chance: &mut Chance) {
     let now = trial.now;
     match chance.below(1000) {
-        // In the midst of a sentence, which is all that is lost.
+        // The link breaks in the middle of a sentence, and only that sentence is lost.
         0..11 if trial.is_connected() => {
             if chance.one_in(3) {
-                // Some inserts are sent and not answered yet.
+                // Some inserts have been sent but not answered.
                 let late = Reply::Late(Duration::from_millis(900), backseat_spi::AckStatus::Succeeded);
                 trial.vehicle.replies.insert("RTK", late);
                 trial.run_for(1.5);
@@ -368,7 +369,7 @@ fn happen(trial: &mut Trial, chance: &mut Chance) {
         }
         30..80 => trial.vehicle.replies.clear(),
         80..140 => {
-            // The vehicle flies what it was given.
+            // The vehicle flies an insert.
             if let Some(identifier) = trial.vehicle.inserted.first().copied() {
                 trial.vehicle.begin(now, None, Some(identifier));
                 trial.vehicle.end(now + Duration::from_secs(5), None, Some(identifier));
@@ -376,7 +377,7 @@ fn happen(trial: &mut Trial, chance: &mut Chance) {
                 trial.vehicle.inserted.remove(&identifier);
             }
         }
-        // One mission ends and the next begins: what was in doubt of the first is over.
+        // One mission ends and the next begins: nothing of the first stays in doubt.
         140 if chance.one_in(5) => {
             trial.vehicle.set_status(now, "Completed");
             trial.vehicle.inserted.clear();
@@ -391,7 +392,7 @@ fn happen(trial: &mut Trial, chance: &mut Chance) {
 }
 
 #[test]
-fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_ledger() {
+fn sr_009_sr_013_a_day_of_traffic_loses_only_cut_sentences_and_every_request_ends() {
     let mut trial = Trial::with(setup());
     let midnight = Timestamp::from_secs(BEFORE_MIDNIGHT_S);
     let ours = midnight + Duration::from_secs(BEHIND_S);
@@ -426,7 +427,7 @@ fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_
         // The line is bad for one minute of ten.
         let good = trial.now.as_secs_f64() % 600.0 >= 60.0;
         if core::mem::replace(&mut bad.borrow_mut().good, good) != good && good {
-            // While the line was bad, nobody knows what was flown.
+            // While the line was bad a begin may have been lost: the vehicle says again what it flies.
             let now = trial.now;
             trial.vehicle.begin(now, Some(1), None);
         }
@@ -447,21 +448,24 @@ fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_
     let now = trial.now;
     trial.vehicle.set_status(now, "Completed");
     trial.run_for(20.0);
-    assert_eq!(trial.core.open_requests(), 0, "the ledger is closed");
+    assert_eq!(trial.core.open_requests(), 0, "no request is open");
     trial.cut();
     books.enter(&mut trial);
 
     let expected = bad.borrow().counts;
     assert_eq!(
         books.counts, expected,
-        "every whole sentence was taken, every other one dropped under its cause"
+        "core takes every intact sentence and counts every other one under its cause"
     );
     for message in HEARD {
         assert_eq!(books.events.get(message), said.get(message), "{message}");
     }
     let counts = trial.core.request_counts();
     assert_eq!(counts.proposed, books.ends.len() as u64);
-    assert!(books.ends.values().all(|ends| *ends == 1), "one end for each");
+    assert!(
+        books.ends.values().all(|ends| *ends == 1),
+        "each request ends exactly once"
+    );
     let of = |kind: &str| books.kinds.get(kind).copied().unwrap_or(0);
     assert_eq!(
         (counts.rejected, counts.sent),
@@ -473,7 +477,7 @@ fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_
         of("rejected") + of("failed") + of("timed out") + of("ended") + of("cancelled")
     );
     assert_eq!(trial.core.late_count(), 0);
-    // It was a day.
+    // The day was as busy as it should be.
     assert!(books.connections > 1000, "{} connections", books.connections);
     assert!(
         expected.sentences > 1_500_000 && books.resets > 5,
@@ -493,12 +497,12 @@ fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_
     assert!(books.open_most <= 60, "{} requests were open at once", books.open_most);
 }
 
-/// A midnight passes: with nothing wrong but the hour, nothing happens to a lease that stands.
+/// Lets a midnight pass. Nothing else is wrong, so no lease ends before its time.
 fn settle(trial: &mut Trial, books: &mut Books, midnight: Timestamp, ours: Timestamp) {
     trial.vehicle.replies.clear();
     (trial.read_max, trial.stalled_until) = (usize::MAX, trial.now);
     trial.run_for(19.0);
-    // What began before, something that was lost may have ended.
+    // A lost sentence may have been the end of the current behavior: the vehicle says again what it flies.
     let now = trial.now;
     trial.vehicle.begin(now, Some(1), None);
     trial.run_for(1.0);

@@ -29,7 +29,7 @@ fn all() -> [(&'static str, Request); 3] {
 }
 
 #[test]
-fn sonar_camera_and_light_are_told_and_done() {
+fn requests_for_sonar_camera_and_light_are_sent_and_end() {
     let mut trial = hovering();
     trial.ask(
         0,
@@ -51,7 +51,7 @@ fn sonar_camera_and_light_are_told_and_done() {
 }
 
 #[test]
-fn a_refusal_and_silence_are_the_outcome() {
+fn a_refused_request_fails_and_an_unanswered_one_times_out() {
     for (name, request) in all() {
         let replies = [
             (Reply::Refuse, vec!["sent", "failed"]),
@@ -79,7 +79,7 @@ fn a_refusal_and_silence_are_the_outcome() {
 }
 
 #[test]
-fn a_link_lost_before_the_answer_leaves_it_unanswered_and_it_is_not_sent_again() {
+fn a_request_whose_answer_was_lost_with_the_link_times_out_and_is_not_sent_again() {
     for (name, request) in all() {
         let mut trial = hovering();
         trial.vehicle.replies.insert(name, Reply::Silent);
@@ -99,8 +99,8 @@ fn figures_beyond_the_limits_are_rejected_and_never_clamped() {
     let mut trial = hovering();
     let bad = [
         (sonar(1, 45.1), "angle of the sonar is 45.1; expected -45 to 45 deg"),
-        (sonar(2, f64::NAN), "is no finite number"),
-        (sonar(3, f64::NEG_INFINITY), "is no finite number"),
+        (sonar(2, f64::NAN), "is not a finite number"),
+        (sonar(3, f64::NEG_INFINITY), "is not a finite number"),
         (
             camera(4, 10, 0, 0),
             "pan of the camera is 10; expected -9 to 9 tenths of a second",
@@ -124,7 +124,7 @@ fn figures_beyond_the_limits_are_rejected_and_never_clamped() {
 }
 
 #[test]
-fn sr_001_devices_need_a_table_a_grant_and_control() {
+fn sr_001_devices_need_the_table_of_limits_a_grant_and_control() {
     let mut no_table = Trial::with_under_way(setup(None));
     let mut no_grant = setup(Some(station_limits()));
     no_grant.plugins[0].grants.retain(|grant| *grant != Grant::Devices);
@@ -154,7 +154,7 @@ fn sr_001_devices_need_a_table_a_grant_and_control() {
 }
 
 #[test]
-fn sr_019_a_flood_is_held_to_the_rate_of_requests() {
+fn sr_019_a_flood_of_device_requests_is_limited_to_the_rate() {
     let mut trial = hovering();
     trial.script(0, |_| {
         let flood = (0..100).map(|tag| camera(tag, 1, 0, 0));

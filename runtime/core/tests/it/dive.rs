@@ -1,4 +1,5 @@
-//! SR-025: a plan serves only the dive that it was told for; and what the vehicle's words make us send and tell is bounded.
+//! SR-025: a plan serves only the dive that it was sent for. What the vehicle's messages make core send and log is
+//! bounded.
 
 use std::time::Duration;
 
@@ -77,7 +78,7 @@ fn sr_025_another_dive_ends_the_lease_and_nothing_steers_until_its_plan_is_whole
 }
 
 #[test]
-fn sr_025_what_begins_belongs_to_the_dive_that_its_begin_names() {
+fn sr_025_a_behavior_belongs_to_the_dive_that_its_begin_names() {
     let mut trial = Trial::under_way();
     let first = begin_of(&trial, "survey", 1);
     trial.hear_now([first]);
@@ -85,14 +86,14 @@ fn sr_025_what_begins_belongs_to_the_dive_that_its_begin_names() {
     let other = begin_of(&trial, "other", 1);
     trial.hear_now([other]);
     trial.run_for(5.0);
-    // It was heard what is flown of the other dive, whose plan has come.
+    // Core knows what the vehicle flies of the other dive, and has that dive's plan.
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
 }
 
 #[test]
-fn sr_025_an_empty_name_says_nothing_and_neither_does_the_same_one_again() {
+fn sr_025_an_empty_or_repeated_dive_name_changes_nothing() {
     let mut trial = Trial::steering();
     trial.run_for(0.2);
     let at = trial.now;
@@ -106,7 +107,7 @@ fn sr_025_an_empty_name_says_nothing_and_neither_does_the_same_one_again() {
 }
 
 #[test]
-fn sr_025_a_number_that_a_fresh_plan_lacks_is_not_modified_and_costs_one_asking() {
+fn sr_025_a_behavior_missing_from_a_fresh_plan_is_not_modified_and_causes_one_plan_request() {
     let mut trial = Trial::under_way();
     let at = trial.now;
     let unknown = begin_of(&trial, "", 77);
@@ -130,7 +131,7 @@ fn sr_025_a_number_that_a_fresh_plan_lacks_is_not_modified_and_costs_one_asking(
 }
 
 #[test]
-fn sr_025_a_flood_of_unknown_behaviors_has_the_plan_asked_for_now_and_then() {
+fn sr_025_a_flood_of_unknown_behaviors_causes_few_plan_requests() {
     let mut trial = Trial::under_way();
     let at = trial.now;
     for number in 100..1100 {
@@ -144,7 +145,7 @@ fn sr_025_a_flood_of_unknown_behaviors_has_the_plan_asked_for_now_and_then() {
 }
 
 #[test]
-fn sr_013_a_flood_of_mission_commands_is_told_of_in_part_and_counted() {
+fn sr_013_a_flood_of_mission_commands_is_logged_in_part_and_counted() {
     let mut trial = Trial::under_way();
     let created = trial.vehicle.clock(trial.now);
     let command = |text: String| {
@@ -164,11 +165,11 @@ fn sr_013_a_flood_of_mission_commands_is_told_of_in_part_and_counted() {
     };
     let told = lines("mission command: flood");
     assert!((100..=160).contains(&told), "{told} lines in 5 s");
-    assert!(lines("lines more of what the vehicle said were left out") >= 4);
+    assert!(lines("more lines about what the vehicle said were left out") >= 4);
 }
 
 #[test]
-fn sr_019_what_is_over_a_plugins_rate_is_counted_and_not_told_one_by_one() {
+fn sr_019_requests_over_a_plugins_rate_are_counted_and_not_logged_one_by_one() {
     let mut trial = Trial::under_way();
     trial.script(0, |_| {
         let requests = (0..40).map(|tag| Request::Modify(modify(tag))).collect();
@@ -184,7 +185,7 @@ fn sr_019_what_is_over_a_plugins_rate_is_counted_and_not_told_one_by_one() {
     let told = trial.notes().iter().filter(|note| over(note)).count();
     assert!((8..=14).contains(&told), "{told}");
     let counted = |(_, note): &(Timestamp, Note)| match note {
-        Note::Text { text } => text.contains("requests more of first were over its rate"),
+        Note::Text { text } => text.contains("more requests of first were over its rate"),
         _ => false,
     };
     assert!(trial.notes().iter().any(counted));
@@ -193,7 +194,7 @@ fn sr_019_what_is_over_a_plugins_rate_is_counted_and_not_told_one_by_one() {
 }
 
 #[test]
-fn sr_002_sr_025_inserts_that_waited_in_the_other_dive_are_in_doubt_until_the_plan_tells() {
+fn sr_002_sr_025_inserts_that_waited_in_the_old_dive_are_in_doubt_until_the_plan_comes() {
     for kept in [true, false] {
         let mut trial = Trial::under_way();
         let first = status_of(&trial, "survey.dive");
@@ -216,7 +217,7 @@ fn sr_002_sr_025_inserts_that_waited_in_the_other_dive_are_in_doubt_until_the_pl
 }
 
 #[test]
-fn sr_002_sr_025_an_insert_that_is_answered_after_another_dive_may_have_been_accepted_for_the_one_before() {
+fn sr_002_sr_025_an_insert_answered_after_a_change_of_dive_may_belong_to_the_old_dive() {
     let mut trial = Trial::under_way();
     let first = status_of(&trial, "survey.dive");
     trial.hear_now([first]);
@@ -231,7 +232,8 @@ fn sr_002_sr_025_an_insert_that_is_answered_after_another_dive_may_have_been_acc
     trial.vehicle.replies.remove("RTK");
     trial.run_for(3.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
-    // From the leg the wreck lies before the start of this one, and from the end of the first it does not.
+    // The wreck bars the way from the leg to the start of this insert, but not the way from the end of the first
+    // insert.
     let behind = Request::Trackline(line(2, (0.0, -1500.0), (500.0, -1500.0)));
     refused_for(&mut trial, behind, 2, "wreck");
 }

@@ -93,7 +93,7 @@ const PHASES: [(&str, Reach); 5] = [
     ("ceasing", ceasing),
 ];
 
-/// All that was said, as the two fields.
+/// All BPDVR that were sent, each as its two fields.
 fn said(trial: &Trial) -> Vec<(u8, u8)> {
     let fields = |(_, command)| match command {
         ToVehicle::DvlTriggerRequest(said) => (u8::from(said.external), u8::from(said.triggering)),
@@ -119,7 +119,7 @@ fn ended(trial: &Trial, why: &str) {
 }
 
 #[test]
-fn sr_017_the_whole_handshake_says_each_change_of_a_field_once() {
+fn sr_017_the_whole_handshake_sends_each_change_of_a_field_once() {
     let mut trial = under_way();
     ask(&mut trial, want(1));
     assert_eq!(last_written(&trial, "BPDVR"), ["1", "0"]);
@@ -139,13 +139,13 @@ fn sr_017_the_whole_handshake_says_each_change_of_a_field_once() {
     assert_eq!(last_written(&trial, "BPDVR"), ["0", "0"]);
     assert_eq!(said(&trial), [(1, 0), (1, 1), (0, 1), (0, 0)]);
     assert_eq!(told(&trial, 0), [true, false]);
-    assert!(told(&trial, 1).is_empty(), "its owner alone is told");
+    assert!(told(&trial, 1).is_empty(), "only its owner learns it");
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "started", "ended"]);
     ended(&trial, "the vehicle stopped it");
 }
 
 #[test]
-fn sr_017_a_plugin_ends_it_at_once_in_any_phase() {
+fn sr_017_a_plugin_ends_the_handshake_at_once_in_any_phase() {
     for (phase, reach) in PHASES {
         let mut trial = reach();
         ask(&mut trial, end(1));
@@ -163,7 +163,7 @@ fn sr_017_a_plugin_ends_it_at_once_in_any_phase() {
 }
 
 #[test]
-fn sr_017_triggering_is_never_said_where_the_vehicle_has_not_allowed_it() {
+fn sr_017_triggering_is_never_announced_without_the_vehicles_permission() {
     for (phase, reach) in PHASES {
         if matches!(phase, "allowed" | "triggering") {
             continue;
@@ -176,11 +176,11 @@ fn sr_017_triggering_is_never_said_where_the_vehicle_has_not_allowed_it() {
         assert_eq!(
             trial.states(1).len(),
             states.len() + 1,
-            "{phase}: the open request stands"
+            "{phase}: the open request stays open"
         );
         assert_eq!(trial.core.open_requests(), 1);
     }
-    // Without a request, and after one.
+    // Without a request, and after a request has ended.
     let mut trial = under_way();
     for (tag, request) in [(2, trigger(2)), (3, say(3, false, true)), (4, end(4))] {
         ask(&mut trial, request);
@@ -196,7 +196,7 @@ fn sr_017_triggering_is_never_said_where_the_vehicle_has_not_allowed_it() {
 }
 
 #[test]
-fn sr_017_who_does_not_trigger_within_5_s_has_lost_it() {
+fn sr_017_a_plugin_that_does_not_trigger_within_5_s_loses_the_permission() {
     let mut trial = allowed();
     ask(&mut trial, want(1));
     trial.run_for(4.5);
@@ -209,7 +209,7 @@ fn sr_017_who_does_not_trigger_within_5_s_has_lost_it() {
 }
 
 #[test]
-fn sr_017_who_triggers_says_so_every_5_s() {
+fn sr_017_a_triggering_plugin_must_confirm_within_every_5_s() {
     let mut trial = triggering();
     for _ in 0..10 {
         trial.run_for(4.5);
@@ -224,11 +224,11 @@ fn sr_017_who_triggers_says_so_every_5_s() {
 }
 
 #[test]
-fn sr_017_a_sign_of_life_that_is_handled_after_its_time_is_too_late() {
+fn sr_017_a_confirmation_that_is_handled_after_its_time_is_too_late() {
     let mut trial = triggering();
     let last = *trial.sent("DVR").last().unwrap();
     trial.run_for((last + Duration::from_millis(4750)).since(trial.now).as_secs_f64());
-    // It returns in time, to a core that wakes a little late, and is the first that this hears.
+    // The step returns in time, but core wakes a little late and handles the return of the step first.
     trial.script(0, |_| (Duration::from_millis(300), Ok(vec![trigger(1)])));
     trial.run_for(0.1);
     trial.asleep_until = last + Duration::from_millis(5250);
@@ -241,7 +241,7 @@ fn sr_017_a_sign_of_life_that_is_handled_after_its_time_is_too_late() {
 }
 
 #[test]
-fn sr_017_a_pause_is_said_and_may_last_5_s() {
+fn sr_017_a_pause_is_announced_and_may_last_5_s() {
     let mut trial = triggering();
     ask(&mut trial, want(1));
     assert_eq!(said(&trial).last(), Some(&(1, 0)));
@@ -254,7 +254,7 @@ fn sr_017_a_pause_is_said_and_may_last_5_s() {
 }
 
 #[test]
-fn sr_017_the_vehicle_stops_it_and_the_plugin_wants_it_again() {
+fn sr_017_a_plugin_can_ask_again_after_the_vehicle_has_stopped_the_triggering() {
     for (phase, reach) in PHASES {
         if phase == "ceasing" {
             continue;
@@ -274,7 +274,7 @@ fn sr_017_the_vehicle_stops_it_and_the_plugin_wants_it_again() {
 }
 
 #[test]
-fn sr_017_where_the_plugin_does_not_answer_a_stop_within_a_second_core_does() {
+fn sr_017_core_answers_a_stop_that_the_plugin_does_not_answer_within_a_second() {
     let mut trial = triggering();
     let stop = trial.now;
     vehicle_says(&mut trial, false);
@@ -291,7 +291,7 @@ fn sr_017_where_the_plugin_does_not_answer_a_stop_within_a_second_core_does() {
 }
 
 #[test]
-fn sr_017_an_end_that_the_vehicle_does_not_answer_is_over_after_5_s() {
+fn sr_017_the_handshake_is_over_5_s_after_an_unanswered_end() {
     let mut trial = ending();
     trial.run_for(5.0);
     ended(&trial, "the vehicle did not stop it within 5 s");
@@ -299,7 +299,7 @@ fn sr_017_an_end_that_the_vehicle_does_not_answer_is_over_after_5_s() {
 }
 
 #[test]
-fn sr_009_a_request_that_the_vehicle_never_allows_ends() {
+fn sr_009_a_request_that_the_vehicle_never_allows_ends_after_300_s() {
     let mut trial = requested();
     trial.run_for(299.0);
     assert_eq!(trial.core.open_requests(), 1);
@@ -309,7 +309,7 @@ fn sr_009_a_request_that_the_vehicle_never_allows_ends() {
 }
 
 #[test]
-fn sr_009_a_refused_request_has_failed_and_an_unanswered_one_has_timed_out() {
+fn sr_009_a_refused_dvl_request_fails_and_an_unanswered_one_times_out() {
     for (reply, end) in [
         (
             Reply::Refuse,
@@ -338,7 +338,7 @@ fn sr_009_a_refused_request_has_failed_and_an_unanswered_one_has_timed_out() {
 }
 
 #[test]
-fn sr_009_a_refused_or_unanswered_step_ends_what_has_started() {
+fn sr_009_a_refused_or_unanswered_step_ends_the_handshake() {
     for (reply, why) in [
         (Reply::Refuse, "the vehicle refused it: as told"),
         (Reply::Silent, "the vehicle did not acknowledge it"),
@@ -353,7 +353,7 @@ fn sr_009_a_refused_or_unanswered_step_ends_what_has_started() {
 }
 
 #[test]
-fn an_acknowledgement_that_comes_twice_or_after_the_vehicles_word_changes_nothing() {
+fn a_repeated_acknowledgement_changes_nothing_and_bfdvt_counts_as_an_answer() {
     let mut trial = under_way();
     trial
         .vehicle
@@ -372,7 +372,7 @@ fn an_acknowledgement_that_comes_twice_or_after_the_vehicles_word_changes_nothin
 }
 
 #[test]
-fn sr_017_a_lost_link_ends_it_without_a_word_and_nothing_is_said_for_it_later() {
+fn sr_017_a_lost_link_ends_the_handshake_and_nothing_is_sent_for_it_later() {
     for (phase, reach) in PHASES {
         let mut trial = reach();
         let before = said(&trial).len();
@@ -381,7 +381,7 @@ fn sr_017_a_lost_link_ends_it_without_a_word_and_nothing_is_said_for_it_later() 
         trial.run_for(10.0);
         assert!(trial.core.has_control());
         assert_eq!(said(&trial).len(), before, "{phase}");
-        // The vehicle has not heard of the end.
+        // The vehicle has not received the end.
         vehicle_says(&mut trial, true);
         assert_eq!(said(&trial).last(), Some(&(0, 0)), "{phase}");
         ask(&mut trial, want(2));
@@ -395,7 +395,7 @@ fn sr_017_a_lost_link_ends_it_without_a_word_and_nothing_is_said_for_it_later() 
 }
 
 #[test]
-fn sr_014_whatever_takes_control_or_the_plugin_ends_it_with_one_bpdvr_within_100_ms() {
+fn sr_014_a_loss_of_control_or_plugin_ends_the_handshake_with_one_bpdvr_within_100_ms() {
     type Act = fn(&mut Trial);
     let acts: [(&str, Act); 8] = [
         ("the operator holds", |trial| trial.operator(Operator::Hold)),
@@ -410,7 +410,7 @@ fn sr_014_whatever_takes_control_or_the_plugin_ends_it_with_one_bpdvr_within_100
             let now = trial.now;
             trial.vehicle.set_status(now, "Aborting");
         }),
-        ("power goes", |trial| {
+        ("the power is being switched off", |trial| {
             let created = trial.vehicle.clock(trial.now);
             trial.hear_now([FromVehicle::from(Shutdown { created })]);
         }),
@@ -419,7 +419,7 @@ fn sr_014_whatever_takes_control_or_the_plugin_ends_it_with_one_bpdvr_within_100
     for (why, act) in acts {
         for (phase, reach) in PHASES {
             if matches!((why, phase), ("navigation is stale", "ceasing")) {
-                // It would be over before.
+                // The handshake ends before navigation is stale.
                 continue;
             }
             let mut trial = reach();
@@ -439,12 +439,12 @@ fn sr_014_whatever_takes_control_or_the_plugin_ends_it_with_one_bpdvr_within_100
 }
 
 #[test]
-fn sr_017_what_nobody_has_asked_for_is_answered_and_no_more_than_once_a_second() {
+fn sr_017_an_unrequested_bfdvt_is_answered_at_most_once_a_second() {
     let mut trial = Trial::under_way();
     let from = trial.now;
     vehicle_says(&mut trial, true);
     assert_eq!(said(&trial), [(0, 0)]);
-    assert!(format!("{:?}", trial.notes()).contains("DVL triggering that no open request is about"));
+    assert!(format!("{:?}", trial.notes()).contains("DVL triggering, and no request for it is open"));
     for _ in 0..50 {
         vehicle_says(&mut trial, false);
     }
@@ -456,7 +456,7 @@ fn sr_017_what_nobody_has_asked_for_is_answered_and_no_more_than_once_a_second()
 }
 
 #[test]
-fn one_plugin_has_it_at_a_time_and_under_one_tag() {
+fn only_one_plugin_has_the_trigger_at_a_time_under_one_tag() {
     let mut trial = triggering();
     trial.ask(0, [want(2)]);
     trial.ask(1, [want(3), end(1), trigger(1)]);
@@ -465,7 +465,7 @@ fn one_plugin_has_it_at_a_time_and_under_one_tag() {
     assert!(trial.rejection(3).starts_with("priority: "));
     assert!(trial.rejection(1).starts_with("priority: "));
     assert_eq!(said(&trial), [(1, 0), (1, 1)]);
-    // The other one's failure is not its owner's.
+    // The failure of the other plugin does not end it.
     trial.fail(1, FaultKind::Trap);
     trial.run_for(0.5);
     assert_eq!(trial.core.open_requests(), 1);
@@ -477,7 +477,7 @@ fn one_plugin_has_it_at_a_time_and_under_one_tag() {
 }
 
 #[test]
-fn sr_019_a_flood_is_held_back_and_the_end_of_it_is_not() {
+fn sr_019_a_flood_of_changes_is_limited_but_the_end_is_not() {
     let mut trial = triggering();
     trial.script(0, |_| {
         let mut requests: Vec<Request> = (0..100).map(|n| say(1, true, n % 2 == 0)).collect();
@@ -497,7 +497,7 @@ fn sr_019_a_flood_is_held_back_and_the_end_of_it_is_not() {
 }
 
 #[test]
-fn sr_017_a_permission_that_was_held_up_on_its_way_is_as_old_as_it_is() {
+fn sr_017_a_delayed_permission_counts_from_when_the_vehicle_gave_it() {
     let mut trial = requested();
     let message = DvlTriggering {
         created: trial.vehicle.clock(trial.now),

@@ -36,7 +36,7 @@ fn expecting(plan: ExpectedPlan) -> Setup {
     }
 }
 
-/// What the operator is told of the difference; it must leave the runtime without control.
+/// The difference as the operator reads it. It must leave the runtime without control.
 #[track_caller]
 fn unlike(setup: Setup, arrange: impl FnOnce(&mut Trial)) -> String {
     let mut trial = Trial::with(setup);
@@ -62,13 +62,13 @@ fn unlike(setup: Setup, arrange: impl FnOnce(&mut Trial)) -> String {
 }
 
 #[test]
-fn sr_001_where_the_vehicles_plan_is_the_one_that_was_checked_control_is_as_ever() {
+fn sr_001_the_checked_plan_leaves_control_as_usual() {
     let mut trial = Trial::with_under_way(expecting(plan()));
     trial.ask(0, [Request::Modify(modify(1)), good_line(2)]);
     trial.run_for(0.5);
     assert!(trial.core.is_steering());
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
-    // A hand's breadth is no other plan.
+    // A difference within the tolerance of 2 m does not make another plan.
     let mut near = Trial::with(expecting(plan()));
     near.vehicle.moved = Some((2, EastNorth::new(1.2, -1.2)));
     near.run_for(2.0);
@@ -76,7 +76,7 @@ fn sr_001_where_the_vehicles_plan_is_the_one_that_was_checked_control_is_as_ever
 }
 
 #[test]
-fn sr_001_with_another_plan_nothing_that_steers_is_sent_and_the_difference_is_told() {
+fn sr_001_with_another_plan_nothing_that_steers_is_sent_and_the_difference_is_reported() {
     let moved = |by| move |trial: &mut Trial| trial.vehicle.moved = Some(by);
     let text = unlike(expecting(plan()), moved((2, EastNorth::new(0.0, 2.1))));
     assert_eq!(text, "element 2: place 1 is 2.1 m from where it was expected");
@@ -134,7 +134,7 @@ fn sr_001_until_the_plan_is_known_on_this_connection_there_is_no_control() {
 }
 
 #[test]
-fn sr_001_inserts_in_the_vehicles_plan_are_no_difference() {
+fn sr_001_inserts_in_the_vehicles_plan_do_not_count_as_a_difference() {
     let mut trial = Trial::with_under_way(expecting(plan()));
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);

@@ -1,4 +1,4 @@
-//! External sources: what they may send, what is made of it, and what they are told.
+//! External sources: what they may send, what core sends for them, and how core answers them.
 
 use std::time::Duration;
 
@@ -42,7 +42,7 @@ pub(crate) fn setup(bounds: ExternalBounds) -> Setup {
     }
 }
 
-/// Often enough for a test that says many things one after the other.
+/// Bounds with a rate that is high enough for a test that sends many sentences in a row.
 pub(crate) fn often() -> ExternalBounds {
     ExternalBounds {
         rate_max_hz: 50.0,
@@ -54,12 +54,12 @@ pub(crate) fn under_way(bounds: ExternalBounds) -> Trial {
     Trial::with_under_way(setup(bounds))
 }
 
-/// As real payloads do: no checksum, a line feed alone.
+/// The source sends a line as real payloads do: without a checksum, and with a line feed alone at its end.
 pub(crate) fn say(trial: &mut Trial, body: &str) {
     trial.feed(Input::External(ExternalId(0), format!("${body}\n").as_bytes()));
 }
 
-/// Our clock, so many seconds from now, as a field.
+/// Our clock, this many seconds from now, as a field.
 pub(crate) fn clock(trial: &Trial, seconds: f64) -> String {
     let now = Utc::from_unix_nanos(1_700_000_000_000_000_000) + Duration::from_nanos(trial.now.as_nanos());
     let nanos = now.as_unix_nanos().wrapping_add_signed((seconds * 1e9) as i64);
@@ -73,7 +73,7 @@ pub(crate) fn line(message: &ToVehicle) -> String {
     String::from_utf8(out).unwrap()
 }
 
-/// A fix so many metres from navigation.
+/// A fix that is this far from navigation.
 pub(crate) fn fix(trial: &Trial, off: EastNorth) -> PositionFix {
     let here = trial.core.navigation().unwrap().local;
     let now = Utc::from_unix_nanos(1_700_000_000_000_000_000) + Duration::from_nanos(trial.now.as_nanos());
@@ -92,7 +92,7 @@ pub(crate) fn say_fix(trial: &mut Trial, fix: PositionFix) {
     trial.feed(Input::External(ExternalId(0), bytes.as_bytes()));
 }
 
-/// What source 0 has been told: name, echoed time, status, text.
+/// The acknowledgements that source 0 has received: name, echoed time, status, text.
 pub(crate) fn told(trial: &Trial) -> Vec<(String, String, AckStatus, String)> {
     told_to(trial, 0)
 }
@@ -104,7 +104,7 @@ pub(crate) fn told_to(trial: &Trial, source: usize) -> Vec<(String, String, AckS
             assert!(line.ends_with("\r\n"), "{line:?}");
             let FromVehicle::Acknowledgement(ack) = FromVehicle::decode(&Sentence::parse(line).unwrap()).unwrap()
             else {
-                panic!("{line} is no acknowledgement");
+                panic!("{line} is not an acknowledgement");
             };
             let (name, echoed) = (ack.command.to_string(), ack.command_created.time().to_string());
             Some((name, echoed, ack.status, ack.text.as_str().to_owned()))
@@ -137,7 +137,7 @@ pub(crate) fn sent_anything(trial: &Trial) -> bool {
 }
 
 #[test]
-fn each_sentence_leaves_under_our_own_stamp_and_its_answer_comes_back_under_that_of_the_source() {
+fn each_sentence_leaves_with_our_time_and_its_answer_returns_with_the_sources_time() {
     let mut trial = under_way(often());
     for body in [
         "BPTMR,081025.987,3,abort",
@@ -145,7 +145,7 @@ fn each_sentence_leaves_under_our_own_stamp_and_its_answer_comes_back_under_that
         "BPRNS,081025.987,1.5,-2.25,90",
         "BPRBO,081025.987,-2.5",
     ] {
-        // What moves the frame has its ten seconds.
+        // A sentence that moves the frame takes control for ten seconds.
         trial.run_for(11.0);
         let body = body.replace("RECENT", &clock(&trial, -0.5));
         let at = clock(&trial, 0.0);
@@ -186,7 +186,7 @@ fn each_sentence_leaves_under_our_own_stamp_and_its_answer_comes_back_under_that
 }
 
 #[test]
-fn the_vehicles_refusal_its_silence_and_its_pending_come_back() {
+fn the_source_learns_of_the_vehicles_refusal_silence_and_pending() {
     for (reply, ends, said) in [
         (Reply::Refuse, vec!["sent", "failed"], vec![AckStatus::Failed]),
         (Reply::Silent, vec!["sent", "timed out"], vec![AckStatus::Failed]),
@@ -220,7 +220,7 @@ fn the_vehicles_refusal_its_silence_and_its_pending_come_back() {
 }
 
 #[test]
-fn sr_009_a_link_lost_midway_ends_the_request_and_nothing_is_sent_twice() {
+fn sr_009_a_link_loss_ends_the_open_request_and_nothing_is_sent_twice() {
     let mut trial = under_way(often());
     trial
         .vehicle
@@ -245,7 +245,7 @@ fn sr_009_a_link_lost_midway_ends_the_request_and_nothing_is_sent_twice() {
 }
 
 #[test]
-fn answers_that_come_twice_or_for_something_else_change_nothing() {
+fn repeated_and_unrelated_answers_change_nothing() {
     let mut trial = under_way(often());
     trial.vehicle.replies.insert("RBO", Reply::Silent);
     say(&mut trial, "BPRBO,081025.987,2.5");
@@ -274,7 +274,7 @@ fn answers_that_come_twice_or_for_something_else_change_nothing() {
 }
 
 #[test]
-fn what_an_external_source_may_not_send_and_what_is_no_sentence_is_refused_and_counted() {
+fn forbidden_and_invalid_sentences_are_refused_and_counted() {
     let mut trial = Trial::with_under_way(Setup {
         settings: Settings {
             externals: vec![source("ctd", &[ExternalSentence::PayloadCtd], often())],
@@ -319,20 +319,20 @@ fn what_an_external_source_may_not_send_and_what_is_no_sentence_is_refused_and_c
     assert_eq!(
         counted,
         [
-            "external source ctd: 1 lines were not taken",
-            "external source ctd: 10 lines were not taken"
+            "external source ctd: 1 lines were refused",
+            "external source ctd: 10 lines were refused"
         ]
     );
     assert!(!sent_anything(&trial));
     assert_eq!(
         trial.core.request_counts().proposed,
         0,
-        "what may not be sent is no request"
+        "a forbidden sentence is not a request"
     );
 }
 
 #[test]
-fn a_program_that_speaks_to_a_vehicle_may_begin_as_it_does_there() {
+fn a_source_may_begin_with_bpver_and_bplog_as_on_a_vehicle() {
     let mut trial = under_way(often());
     let (versions, subscriptions) = (trial.sent("VER").len(), trial.sent("LOG").len());
     say(&mut trial, "BPVER,081025.987,1.12");
@@ -346,7 +346,7 @@ fn a_program_that_speaks_to_a_vehicle_may_begin_as_it_does_there() {
 }
 
 #[test]
-fn a_modem_line_is_relayed_whole_and_one_that_holds_a_command_is_refused() {
+fn a_modem_line_is_relayed_unchanged_and_one_that_contains_a_command_is_refused() {
     let mut trial = under_way(often());
     let relay = |text: &str| {
         let created = "01:02:03.456".parse().unwrap();
@@ -363,7 +363,7 @@ fn a_modem_line_is_relayed_whole_and_one_that_holds_a_command_is_refused() {
         panic!("it was not relayed: {:?}", told(&trial))
     };
     assert_eq!(sent.text.as_str(), modem);
-    // By hand: who encodes it is refused already.
+    // The line is written by hand, because encoding it already fails.
     let body = "BPTMR,010203.456,$CCRXD,$BPKIL,1";
     let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     let count = trial.sent("TMR").len();
@@ -421,7 +421,7 @@ fn sr_014_without_control_only_the_relay_passes() {
 }
 
 #[test]
-fn sr_001_not_armed_nothing_of_an_external_source_leaves() {
+fn sr_001_an_unarmed_runtime_sends_nothing_of_an_external_source() {
     let mut setup = setup(often());
     setup.start.armed = false;
     let mut trial = Trial::with_under_way(setup);
@@ -439,7 +439,7 @@ fn sr_001_not_armed_nothing_of_an_external_source_leaves() {
 }
 
 #[test]
-fn sr_019_a_external_sources_rate_is_bounded_each_for_itself() {
+fn sr_019_each_external_source_has_its_own_rate_limit() {
     let mut trial = Trial::with_under_way(Setup {
         settings: Settings {
             externals: vec![
@@ -466,7 +466,8 @@ fn sr_019_a_external_sources_rate_is_bounded_each_for_itself() {
         let told = told_to(&trial, source).into_iter();
         told.filter(|(_, _, status, _)| *status == AckStatus::Succeeded).count()
     };
-    // Two at once and two a second for two seconds; one at once and none in the five seconds after it.
+    // The first source may send two at once, then two a second for two seconds. The second may send one at once, and
+    // the next after five seconds.
     assert_eq!((passed(0), passed(1)), (5, 1));
     assert!(
         told(&trial)
@@ -475,12 +476,12 @@ fn sr_019_a_external_sources_rate_is_bounded_each_for_itself() {
     );
     assert!(
         told_to(&trial, 1).iter().all(|ack| ack.1 == "08:10:26.987"),
-        "each hears of its own"
+        "each source gets the answers to its own sentences"
     );
 }
 
 #[test]
-fn sr_006_sr_013_a_flood_and_garbage_of_an_external_source_disturb_nobody() {
+fn sr_006_sr_013_a_flood_and_garbage_from_an_external_source_disturb_nobody() {
     let mut trial = under_way(ExternalBounds::default());
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
@@ -504,7 +505,7 @@ fn sr_006_sr_013_a_flood_and_garbage_of_an_external_source_disturb_nobody() {
             .windows(2)
             .all(|pair| pair[1].since(pair[0]) <= Duration::from_millis(1100))
     );
-    // What comes after the garbage is read.
+    // Core reads the sentence that follows the garbage.
     trial.run_for(1.0);
     say(&mut trial, "");
     let relayed = trial.sent("TMR").len();
@@ -513,7 +514,7 @@ fn sr_006_sr_013_a_flood_and_garbage_of_an_external_source_disturb_nobody() {
 }
 
 #[test]
-fn an_external_sources_sentences_come_in_any_split_and_without_order() {
+fn an_external_sources_sentences_may_arrive_split_or_cut() {
     let mut trial = under_way(often());
     let mut checked = Vec::new();
     ToVehicle::decode(&Sentence::parse("$BPTMR,081025.987,3,come home").unwrap())
@@ -525,7 +526,7 @@ fn an_external_sources_sentences_come_in_any_split_and_without_order() {
     }
     trial.run_for(0.1);
     assert_eq!(statuses(&trial), [AckStatus::Succeeded]);
-    // One that was cut is not ended by what comes next.
+    // The next sentence does not complete one that was cut.
     trial.feed(Input::External(ExternalId(0), b"$BPTMR,081025.987,3,abo"));
     trial.feed(Input::External(ExternalId(0), b"$\n"));
     trial.run_for(0.1);
@@ -534,7 +535,7 @@ fn an_external_sources_sentences_come_in_any_split_and_without_order() {
 }
 
 #[test]
-fn an_external_source_that_the_mission_does_not_know_is_not_heard() {
+fn an_external_source_that_is_not_in_the_mission_is_ignored() {
     let mut trial = under_way(often());
     trial.feed(Input::External(ExternalId(1), b"$BPTMR,081025.987,3,abort\n"));
     trial.run_for(0.5);
@@ -542,7 +543,7 @@ fn an_external_source_that_the_mission_does_not_know_is_not_heard() {
 }
 
 #[test]
-fn a_plugin_that_fails_and_control_that_is_lost_midway_leave_the_request_to_its_answer() {
+fn an_open_request_gets_its_answer_even_if_a_plugin_fails_or_control_is_lost() {
     let mut trial = under_way(often());
     trial
         .vehicle

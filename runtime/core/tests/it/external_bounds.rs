@@ -101,11 +101,11 @@ fn figures_beyond_the_bounds_are_rejected_and_never_clamped() {
                 position: far,
                 ..good.clone()
             },
-            "way of the fix from navigation is 50",
+            "distance of the fix from navigation is 50",
         ),
         (
             PositionFix { position: away, ..good },
-            "way of the fix from the fence's middle is 111",
+            "distance of the fix from the fence's middle is 111",
         ),
     ] {
         say_fix(&mut trial, fix);
@@ -146,7 +146,7 @@ fn conductivity_leaves_in_the_unit_that_the_vehicle_is_set_to() {
 }
 
 #[test]
-fn sr_021_what_moves_the_frame_ends_the_lease_before_it_leaves_and_ten_seconds_pass() {
+fn sr_021_a_sentence_that_moves_the_frame_leaves_after_the_lease_has_ended_and_takes_control_for_ten_seconds() {
     for forced in ["NPU", "RNS", "RBO"] {
         let mut trial = under_way(ExternalBounds {
             fix_force: true,
@@ -175,7 +175,7 @@ fn sr_021_what_moves_the_frame_ends_the_lease_before_it_leaves_and_ten_seconds_p
         assert!(trial.core.has_control());
         assert_eq!(statuses(&trial), [AckStatus::Succeeded]);
     }
-    // A fix that the vehicle weighs by itself is watched as all navigation is.
+    // The vehicle weighs a fix that is not forced by itself, so core only watches the navigation, as it always does.
     let mut trial = under_way(often());
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
@@ -186,7 +186,7 @@ fn sr_021_what_moves_the_frame_ends_the_lease_before_it_leaves_and_ten_seconds_p
 }
 
 #[test]
-fn bounds_that_make_no_sense_are_named() {
+fn invalid_bounds_are_named() {
     assert_eq!(ExternalBounds::default().validate(), Ok(()));
     let broken = |bounds: ExternalBounds| bounds.validate().unwrap_err().key;
     let usual = ExternalBounds::default;

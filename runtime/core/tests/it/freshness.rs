@@ -9,7 +9,7 @@ use crate::trial::{Seen, Trial};
 
 const HOUR_NANOS: i64 = 3_600_000_000_000;
 
-/// Asks for a lease at every step from now on.
+/// The first plugin asks for a lease in every step from now on.
 fn insist(trial: &mut Trial) {
     trial.script(0, |_| (Duration::from_millis(1), Ok(vec![Request::Modify(modify(1))])));
 }
@@ -27,7 +27,7 @@ fn sr_008_a_lease_ends_when_navigation_stops() {
 }
 
 #[test]
-fn sr_008_messages_that_keep_coming_with_a_frozen_solution_are_stale() {
+fn sr_008_messages_with_a_frozen_solution_are_stale() {
     let mut trial = Trial::steering();
     let frozen = trial.now;
     trial.vehicle.frozen = Some(frozen);
@@ -40,7 +40,7 @@ fn sr_008_messages_that_keep_coming_with_a_frozen_solution_are_stale() {
 }
 
 #[test]
-fn sr_008_a_frozen_solution_is_silence_and_the_connection_is_reset() {
+fn sr_008_a_frozen_solution_counts_as_silence_and_resets_the_connection() {
     let mut trial = Trial::under_way();
     trial.vehicle.frozen = Some(trial.now);
     trial.run_for(15.5);
@@ -73,7 +73,7 @@ fn sr_008_a_burst_of_buffered_navigation_is_old() {
     let mut trial = Trial::steering();
     insist(&mut trial);
     let stalled = trial.now;
-    // The link holds what the vehicle says back for 4 s, and from then on each message is 3 s late.
+    // The link holds back the vehicle's messages for 4 s.
     trial.stalled_until = stalled + Duration::from_secs(4);
     trial.run_for(3.9);
     assert!(!trial.core.has_control());
@@ -85,7 +85,7 @@ fn sr_008_a_burst_of_buffered_navigation_is_old() {
 }
 
 #[test]
-fn sr_008_a_link_that_has_become_slow_is_seen_though_messages_keep_coming() {
+fn sr_008_a_link_that_becomes_slow_is_noticed_although_messages_keep_coming() {
     let mut trial = Trial::steering();
     insist(&mut trial);
     trial.delay = Duration::from_millis(1500);
@@ -110,7 +110,7 @@ fn sr_008_a_new_connection_that_is_slow_from_its_first_byte_is_not_taken_for_ano
 }
 
 #[test]
-fn hours_between_the_clocks_mean_nothing() {
+fn hours_between_the_clocks_do_not_matter() {
     for hours in [-23, -12, -11, -3, 2, 11, 12, 23] {
         for offset_nanos in [-20_000_000, -3_000_000, 0, 3_000_000, 20_000_000] {
             let mut trial = Trial::new();
@@ -132,7 +132,7 @@ fn hours_between_the_clocks_mean_nothing() {
     }
 }
 
-/// A dive whose vehicle's clock says this many seconds before midnight at its start.
+/// A dive that starts this many seconds before midnight on the vehicle's clock.
 fn before_midnight(seconds: i64) -> Trial {
     let mut trial = Trial::new();
     let clock = i64::try_from(trial.vehicle.clock(Timestamp::ZERO).as_nanos()).unwrap();
@@ -141,7 +141,7 @@ fn before_midnight(seconds: i64) -> Trial {
 }
 
 #[test]
-fn midnight_passes_on_the_vehicles_clock_and_on_ours() {
+fn midnight_on_the_vehicles_clock_or_on_ours_ends_no_lease() {
     let mut trial = before_midnight(10);
     trial.run_for(2.0);
     insist(&mut trial);
@@ -187,7 +187,8 @@ fn sr_008_a_vehicle_clock_set_forward_never_makes_old_navigation_fresh() {
     let mut trial = Trial::steering();
     insist(&mut trial);
     trial.vehicle.clock_nanos += 5_000_000_000;
-    // What the vehicle says from now on comes 2 s late, and by the clock that was measured it is not written yet.
+    // From now on the vehicle's messages come 2 s late, and by the clock as core measured it they are not even written
+    // yet.
     trial.delay = Duration::from_secs(2);
     trial.delay_to_vehicle = Some(Duration::from_millis(5));
     trial.run_for(30.0);
@@ -208,11 +209,11 @@ fn sr_021_a_jump_ends_the_lease_until_navigation_has_been_steady_for_ten_seconds
     assert!(trial.core.has_control() && trial.core.is_steering());
     trial.vehicle.jump = EastNorth::new(0.0, 45.0);
     trial.run_for(1.0);
-    assert!(trial.core.is_steering(), "5 m may be");
+    assert!(trial.core.is_steering(), "a step of 5 m is allowed");
 }
 
 #[test]
-fn sr_021_a_second_jump_begins_the_ten_seconds_anew() {
+fn sr_021_a_second_jump_restarts_the_ten_seconds() {
     let mut trial = Trial::steering();
     trial.vehicle.jump = EastNorth::new(0.0, 40.0);
     trial.run_for(6.0);
@@ -236,7 +237,7 @@ fn sr_021_a_new_connection_does_not_shorten_the_ten_seconds() {
 }
 
 #[test]
-fn sr_021_a_jump_while_the_link_was_lost_is_seen() {
+fn sr_021_a_jump_during_a_link_loss_is_noticed() {
     let mut trial = Trial::steering();
     trial.cut();
     trial.vehicle.jump = EastNorth::new(0.0, 200.0);
@@ -253,10 +254,10 @@ fn sr_021_a_jump_while_the_link_was_lost_is_seen() {
 }
 
 #[test]
-fn sr_021_a_jump_over_a_lost_link_is_seen_though_the_vehicles_clock_was_set_before() {
+fn sr_021_a_jump_during_a_link_loss_is_noticed_even_if_the_vehicles_clock_was_set_before() {
     let mut trial = Trial::under_way();
     trial.vehicle.clock_nanos -= 20_000_000_000;
-    // What comes then was solved 20 s ago, by all that is known.
+    // By all that core knows, the navigation that comes then was solved 20 s ago.
     trial.run_for(24.0);
     trial.cut();
     trial.vehicle.jump = EastNorth::new(0.0, 100.0);
@@ -266,7 +267,7 @@ fn sr_021_a_jump_over_a_lost_link_is_seen_though_the_vehicles_clock_was_set_befo
 }
 
 #[test]
-fn a_vehicle_that_has_gone_on_while_the_link_was_lost_has_not_jumped() {
+fn a_vehicle_that_moves_on_during_a_link_loss_has_not_jumped() {
     let mut trial = Trial::steering();
     trial.cut();
     trial.unreachable = true;

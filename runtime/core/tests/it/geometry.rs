@@ -6,7 +6,7 @@ use backseat_units::EastNorth;
 use crate::course::{LIFTED, circle, harbour, limits, line, modify};
 use crate::trial::{Setup, Trial, shorts};
 
-/// The rejection of a request that the vehicle must never hear of.
+/// The rejection of a request that must never reach the vehicle.
 fn rejected(trial: &mut Trial, request: Request, tag: u64) -> String {
     trial.ask(0, [request]);
     trial.run_for(0.5);
@@ -39,7 +39,7 @@ fn sr_002_a_line_that_leaves_the_box_is_rejected_with_edge_and_metres() {
 
 #[test]
 fn sr_002_the_lead_in_and_lead_out_belong_to_the_line() {
-    // The line itself keeps 60 m from the edge, with leads of 50 m 10 m are left, and its margins need more.
+    // The line itself keeps 60 m from the edge. Leads of 50 m leave 10 m of that, and the margins need more.
     for (from, to) in [((0.0, 500.0), (1930.0, 500.0)), ((1930.0, 500.0), (0.0, 500.0))] {
         let mut trial = Trial::under_way();
         let text = rejected(&mut trial, Request::Trackline(line(1, from, to)), 1);
@@ -60,7 +60,8 @@ fn sr_002_the_lead_in_and_lead_out_belong_to_the_line() {
 
 #[test]
 fn sr_002_the_transit_to_the_line_is_checked() {
-    // South of the wreck: the way there from the end of the planned leg is free, an interrupt's from here is not.
+    // The line is south of the wreck. The way there from the end of the planned leg is clear; the way of an
+    // interrupting insert, from here, is not.
     let across = line(1, (600.0, -1600.0), (300.0, -1600.0));
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(-500.0, -400.0);
@@ -77,9 +78,9 @@ fn sr_002_the_transit_to_the_line_is_checked() {
 }
 
 #[test]
-fn sr_002_the_way_to_what_is_abeam_is_a_turns_width_wide() {
-    // The straight way leads by the wreck, some 12 m or 33 m from its margin and the errors: a turn takes 22 m at 1.5 m/s,
-    // and the current its part of 7 m.
+fn sr_002_the_way_to_a_line_abeam_is_checked_with_the_width_of_a_turn() {
+    // The straight way passes the wreck some 12 m or 33 m outside its margin and the errors. A turn at 1.5 m/s takes 22
+    // m of that, and the current takes another 7 m.
     let asked = |east_m: f64| {
         let mut trial = Trial::under_way();
         let by = line(1, (east_m, -1400.0), (east_m + 300.0, -1400.0));
@@ -93,8 +94,8 @@ fn sr_002_the_way_to_what_is_abeam_is_a_turns_width_wide() {
 }
 
 #[test]
-fn sr_002_the_way_on_to_what_comes_next_is_checked() {
-    // From its end the way to the waypoint 2 at 600 east 300 north leads over the wreck.
+fn sr_002_the_way_from_an_insert_to_the_next_behavior_is_checked() {
+    // From the end of the line the way to waypoint 2, 600 m east and 300 m north, leads over the wreck.
     let line = line(1, (600.0, -1700.0), (-500.0, -1700.0));
     let mut trial = Trial::under_way();
     let text = rejected(&mut trial, Request::Trackline(line), 1);
@@ -125,7 +126,8 @@ fn sr_002_a_circles_whole_rim_is_checked() {
 
 #[test]
 fn sr_002_a_circle_whose_entry_the_vehicle_chooses_is_checked_for_every_entry() {
-    // Around the wreck: entered in the north it is free, but the vehicle may enter it anywhere and cross the wreck.
+    // The circle is around the wreck. Entered in the north it is clear, but the vehicle may enter it anywhere and cross
+    // the wreck.
     let around = circle(1, (0.0, -1000.0), 400.0);
     let mut trial = Trial::under_way();
     trial.ask(0, [Request::Trackcircle(around)]);
@@ -190,8 +192,8 @@ fn an_altitude_needs_bottom_lock_or_a_known_depth() {
 }
 
 #[test]
-fn sr_002_a_modify_is_checked_for_all_that_can_be_reached_in_silence() {
-    // At 1.5 m/s the vehicle is 9 m further when a modify lapses, and needs its turns' width.
+fn sr_002_a_modify_is_checked_for_everything_in_reach_until_it_lapses() {
+    // At 1.5 m/s the vehicle moves 9 m until a modify lapses, and then needs the width of a turn.
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(1940.0, 500.0);
     trial.run_for(2.0);
@@ -202,7 +204,8 @@ fn sr_002_a_modify_is_checked_for_all_that_can_be_reached_in_silence() {
 
 #[test]
 fn sr_002_the_way_back_from_a_modify_to_the_plan_is_checked() {
-    // South of the wreck, heading east: nothing in reach, but the way back to the planned leg is barred.
+    // The vehicle is south of the wreck and heads east: nothing is in reach, but the wreck bars the way back to the
+    // planned leg.
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(-50.0, -1500.0);
     trial.run_for(2.0);
@@ -213,7 +216,7 @@ fn sr_002_the_way_back_from_a_modify_to_the_plan_is_checked() {
 
 #[test]
 fn sr_002_the_way_back_from_a_modify_to_any_part_of_the_planned_leg_is_checked() {
-    // Here the way to the next waypoint is free, and that to the western part of the current leg is barred.
+    // Here the way to the next waypoint is clear, but the wreck bars the way to the western part of the current leg.
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(600.0, -1500.0);
     trial.run_for(2.0);
@@ -222,7 +225,7 @@ fn sr_002_the_way_back_from_a_modify_to_any_part_of_the_planned_leg_is_checked()
     names_edge_and_metres(&trial.rejection(1), "inside keep-out zone 'wreck'");
 }
 
-/// A vehicle that steers to a line meets it abeam, behind its start too: there the wreck lies.
+/// A vehicle that steers to a line meets it abeam, possibly before the line's start. The wreck lies there.
 fn with_a_leg_east_of_the_wreck(start: EastNorth) -> Trial {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((1, EastNorth::new(1300.0, -1000.0)));
@@ -232,12 +235,12 @@ fn with_a_leg_east_of_the_wreck(start: EastNorth) -> Trial {
 }
 
 #[test]
-fn sr_002_the_way_back_from_a_modify_to_the_line_behind_the_start_of_a_leg_is_checked() {
+fn sr_002_the_way_back_from_a_modify_to_a_legs_line_before_its_start_is_checked() {
     let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(0.0, -500.0));
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
     names_edge_and_metres(&trial.rejection(1), "inside keep-out zone 'wreck'");
-    // Farther east nothing is in that way.
+    // Farther east nothing bars that way.
     let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(300.0, -500.0));
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
@@ -245,7 +248,7 @@ fn sr_002_the_way_back_from_a_modify_to_the_line_behind_the_start_of_a_leg_is_ch
 }
 
 #[test]
-fn sr_002_the_way_from_an_interrupting_insert_onto_the_line_that_it_interrupts_is_checked() {
+fn sr_002_the_way_from_an_interrupting_insert_back_to_the_interrupted_line_is_checked() {
     let insert = |interrupt, end| {
         let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(-700.0, -500.0));
         let line = line(1, (-500.0, -500.0), end);
@@ -262,7 +265,7 @@ fn sr_002_the_way_from_an_interrupting_insert_onto_the_line_that_it_interrupts_i
 }
 
 #[test]
-fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
+fn sr_002_the_way_back_from_a_modify_to_the_transit_before_a_leg_is_checked() {
     let led_off = |began: EastNorth| {
         let mut trial = Trial::new();
         trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
@@ -277,8 +280,8 @@ fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
         trial.run_for(0.5);
         trial
     };
-    // Between where the behavior began and where the leg begins lies the wreck, and the vehicle would come back to that
-    // way.
+    // The wreck lies between the place where the behavior began and the start of the leg, and the vehicle would come
+    // back to the straight way between these two.
     let text = led_off(EastNorth::new(-300.0, -1400.0)).rejection(1);
     names_edge_and_metres(&text, "inside keep-out zone 'wreck'");
     let trial = led_off(EastNorth::new(500.0, -1400.0));
@@ -286,7 +289,7 @@ fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
 }
 
 #[test]
-fn sr_002_a_behavior_that_begins_as_navigation_jumps_may_have_begun_before_or_after() {
+fn sr_002_a_behavior_that_begins_during_a_jump_may_have_begun_before_or_after_it() {
     const AWAY: EastNorth = EastNorth::new(-800.0, 0.0);
     let led_off = |east_m, jumps: fn(&mut Trial)| {
         let mut trial = Trial::new();
@@ -301,7 +304,7 @@ fn sr_002_a_behavior_that_begins_as_navigation_jumps_may_have_begun_before_or_af
         trial.run_for(0.5);
         trial
     };
-    // On the way back to the way from the other place lies the wreck.
+    // The wreck bars the way back to the transit from the other place.
     let at_once = led_off(500.0, |trial| {
         trial.vehicle.begin(trial.now, Some(1), None);
         trial.vehicle.jump = AWAY;
@@ -315,7 +318,7 @@ fn sr_002_a_behavior_that_begins_as_navigation_jumps_may_have_begun_before_or_af
         trial.vehicle.jump = EastNorth::default();
     });
     names_edge_and_metres(&unheard.rejection(1), "inside keep-out zone 'wreck'");
-    // The begin that a new connection tells of comes before all navigation.
+    // On a new connection the begin arrives before any navigation.
     let unplaced = led_off(-300.0, |_| ());
     names_edge_and_metres(&unplaced.rejection(1), "inside keep-out zone 'wreck'");
     let later = led_off(500.0, |trial| {
@@ -328,7 +331,7 @@ fn sr_002_a_behavior_that_begins_as_navigation_jumps_may_have_begun_before_or_af
 }
 
 #[test]
-fn sr_002_where_the_lead_in_of_an_insert_begins_only_the_vehicle_knows_and_so_the_way_to_it() {
+fn sr_002_the_way_to_an_insert_is_checked_with_and_without_its_lead_in() {
     let led_off = |start: (f64, f64)| {
         let mut trial = Trial::new();
         trial.vehicle.start = EastNorth::new(300.0, -400.0);
@@ -350,8 +353,8 @@ fn sr_002_where_the_lead_in_of_an_insert_begins_only_the_vehicle_knows_and_so_th
         trial.run_for(0.5);
         trial
     };
-    // The insert began 20 m south of where its line does: without a lead-in the way to it leads north, and back on that
-    // way the vehicle would come past the wreck. With the longest it leads to the west.
+    // The insert began 20 m south of the start of its line. Without a lead-in the way to the line leads north, and to
+    // come back to that way the vehicle would pass the wreck. With the longest lead-in it leads west.
     let text = led_off((300.0, -380.0)).rejection(2);
     names_edge_and_metres(&text, "inside keep-out zone 'wreck'");
     let trial = led_off((500.0, -350.0));
@@ -359,8 +362,8 @@ fn sr_002_where_the_lead_in_of_an_insert_begins_only_the_vehicle_knows_and_so_th
 }
 
 #[test]
-fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_at() {
-    // East of the planned leg lie shoals that are to be kept out of above 5 m, and the modify is flown at 20 m.
+fn sr_002_the_way_back_from_a_modify_is_checked_at_the_depths_of_the_plan() {
+    // East of the planned leg lie shoals, a keep-out zone down to 5 m. The modify is flown at 20 m.
     let started_and_asked_after = |start: Start, seconds: f64, flown_at_m: f64| {
         let mut trial = Trial::with(Setup {
             fence: harbour(),
@@ -385,9 +388,9 @@ fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_
     let trial = asked_after(9.0, 20.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
     names_edge_and_metres(&asked_after(9.0, 4.0).rejection(1), "inside keep-out zone 'shoals'");
-    // What it is flown at is not known yet.
+    // The depth of the plan is not known yet.
     names_edge_and_metres(&asked_after(2.0, 20.0).rejection(1), "inside keep-out zone 'shoals'");
-    // What a previous run has left the vehicle at is not the plan's depth.
+    // The depth at which a previous run has left the vehicle is not the plan's.
     let mut second = Setup::default().start;
     if let Some(identifiers) = &mut second.identifiers {
         (identifiers.next, identifiers.reserved) = (40, 40);
@@ -399,7 +402,7 @@ fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_
 }
 
 #[test]
-fn the_answer_that_plugins_get_for_their_question_is_the_judgement_of_the_geometry() {
+fn a_plugins_query_gets_the_same_verdict_as_its_request() {
     let mut trial = Trial::under_way();
     let envelope = crate::course::envelope(limits());
     let (_, input) = trial.steps(0).pop().unwrap();

@@ -31,14 +31,14 @@ fn under_way() -> Trial {
     Trial::with_under_way(setup())
 }
 
-/// Under way for long enough to know at what depth the plan is flown.
+/// A trial that has run long enough for core to know the depth of the plan.
 fn settled() -> Trial {
     let mut trial = under_way();
     trial.run_for(5.0);
     trial
 }
 
-/// In the harbour, with clear ways to it and on.
+/// A GPS hit in the harbour, with a clear way to it and a clear way on.
 fn hit(tag: u64) -> Request {
     hit_at(tag, (0.0, 500.0))
 }
@@ -71,7 +71,7 @@ fn rejected(trial: &mut Trial, request: Request) -> String {
 }
 
 #[test]
-fn a_gps_hit_is_pending_accepted_started_and_ended_and_says_what_was_asked() {
+fn a_gps_hit_goes_through_each_state_and_is_encoded_as_requested() {
     let mut trial = under_way();
     let reply = Reply::Pending(Duration::from_millis(1500), AckStatus::Succeeded);
     trial.vehicle.replies.insert("RGP", reply);
@@ -110,7 +110,7 @@ fn a_gps_hit_is_pending_accepted_started_and_ended_and_says_what_was_asked() {
 }
 
 #[test]
-fn sr_009_a_refused_gps_hit_has_failed_and_one_without_answer_may_be_flown_yet() {
+fn sr_009_a_refused_gps_hit_fails_and_an_unanswered_one_may_still_be_flown() {
     let mut trial = under_way();
     trial.vehicle.replies.insert("RGP", Reply::Refuse);
     trial.ask(0, [hit(1)]);
@@ -137,7 +137,7 @@ fn sr_009_a_refused_gps_hit_has_failed_and_one_without_answer_may_be_flown_yet()
 }
 
 #[test]
-fn sr_009_a_gps_hit_in_doubt_is_resolved_by_the_vehicles_plan_which_proves_nothing_by_its_silence() {
+fn sr_009_the_vehicles_plan_can_confirm_a_gps_hit_in_doubt_but_cannot_rule_it_out() {
     for named in [true, false] {
         let mut trial = under_way();
         trial.vehicle.replies.insert("RGP", Reply::Silent);
@@ -155,21 +155,22 @@ fn sr_009_a_gps_hit_in_doubt_is_resolved_by_the_vehicles_plan_which_proves_nothi
 }
 
 #[test]
-fn it_needs_its_own_grant() {
+fn a_gps_hit_needs_its_own_grant() {
     let plugins = vec![course::plugin("first"), course::plugin("second")];
     let mut trial = Trial::with_under_way(Setup { plugins, ..setup() });
     assert!(rejected(&mut trial, hit(1)).contains("does not grant `surface`"));
 }
 
 #[test]
-fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
+fn sr_002_a_gps_hit_and_its_drift_stay_where_the_fence_allows_surfacing() {
     let mut trial = under_way();
     let text = rejected(&mut trial, hit_at(1, (0.0, 1500.0)));
     assert!(
         text.starts_with("surfacing: outside keep-in zone 'harbour', the nearest that allows surfacing,"),
         "{text}"
     );
-    // 0.3 m/s for 900 s is 270 m, and the errors: 200 m from the harbour's edge are too few.
+    // At 0.3 m/s the vehicle drifts 270 m in 900 s, and the errors add to that: 200 m from the harbour's edge are too
+    // few.
     assert!(rejected(&mut trial, hit_at(2, (0.0, 700.0))).starts_with("surfacing: "));
     let limits = Limits {
         gps_hit_duration_max_s: 300.0,
@@ -179,7 +180,7 @@ fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
     quicker.ask(0, [hit_at(2, (0.0, 700.0))]);
     quicker.run_for(0.5);
     assert_eq!(shorts(&quicker.states(2)), ["sent", "accepted"]);
-    // A fence that allows it nowhere.
+    // This fence allows surfacing nowhere.
     let mut trial = Trial::with_under_way(Setup {
         fence: course::fence(),
         ..setup()
@@ -188,9 +189,9 @@ fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
 }
 
 #[test]
-fn sr_002_the_ways_to_and_from_the_surface_are_judged_at_every_depth_that_is_passed() {
-    // The plan's leg ends at (600, 0). The way from there leads over the shoals: a line at 20 m passes under them, the way
-    // to the surface may not.
+fn sr_002_the_ways_to_and_from_the_surface_are_checked_at_every_depth_on_the_way() {
+    // The plan's leg ends at (600, 0). The way from there leads over the shoals: a line at 20 m passes under them, but
+    // the way to the surface does not.
     let mut trial = settled();
     let text = rejected(&mut trial, hit_at(1, (1450.0, 500.0)));
     assert!(text.starts_with("keep-out: inside keep-out zone 'shoals'"), "{text}");
@@ -200,7 +201,7 @@ fn sr_002_the_ways_to_and_from_the_surface_are_judged_at_every_depth_that_is_pas
 }
 
 #[test]
-fn sr_002_what_follows_a_gps_hit_comes_from_the_surface_and_from_where_it_has_drifted() {
+fn sr_002_the_way_on_from_a_gps_hit_is_checked_from_the_surface_and_with_the_drift() {
     let beyond = |tag| Request::Trackline(line(tag, (1300.0, 270.0), (1400.0, 270.0)));
     let mut trial = settled();
     trial.ask(0, [beyond(1)]);
@@ -215,8 +216,8 @@ fn sr_002_what_follows_a_gps_hit_comes_from_the_surface_and_from_where_it_has_dr
 }
 
 #[test]
-fn sr_002_what_interrupts_before_a_gps_hit_goes_on_to_the_surface() {
-    // From a line beyond the shoals, which interrupts, the vehicle may go on to the GPS hit and come up on the way.
+fn sr_002_the_way_from_an_interrupting_insert_to_a_waiting_gps_hit_is_checked_up_to_the_surface() {
+    // From the interrupting line beyond the shoals the vehicle may go on to the GPS hit, and come up on the way.
     let beyond = |tag| {
         let mut beyond = line(tag, (1300.0, 270.0), (1400.0, 270.0));
         beyond.interrupt = true;
@@ -259,13 +260,50 @@ fn sr_002_nothing_is_modified_or_interrupted_while_the_vehicle_is_on_its_way_to_
 }
 
 #[test]
-fn sr_002_a_depth_of_what_is_flown_before_it_counts() {
+fn sr_002_a_keep_out_zone_at_the_depth_of_another_insert_counts_beside_a_gps_hit() {
+    // East of the pit the vehicle flies at 45 m. From there to the line at 20 m beyond the pit it may still be that deep.
+    // The line ends far south of the pit.
+    let deep = |tag| {
+        let mut deep = line(tag, (-300.0, 500.0), (-600.0, 500.0));
+        deep.vertical = backseat_core::plugin::VerticalRequest::DepthM(45.0);
+        Request::Trackline(deep)
+    };
+    let beyond = |tag| Request::Trackline(line(tag, (-1000.0, 500.0), (-1000.0, -100.0)));
+    let setup = || Setup {
+        fence: course::harbour_with_pit(),
+        ..setup()
+    };
+    for hits in [vec![], vec![hit(1)]] {
+        let mut trial = Trial::with_under_way(setup());
+        trial.run_for(5.0);
+        let count = hits.len();
+        trial.ask(0, hits);
+        trial.run_for(0.5);
+        trial.ask(0, [beyond(2)]);
+        trial.run_for(0.5);
+        assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+        let mut trial = Trial::with_under_way(setup());
+        trial.run_for(5.0);
+        trial.ask(0, (0..count).map(|_| hit(1)));
+        trial.ask(0, [deep(3)]);
+        trial.run_for(0.5);
+        assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
+        let text = rejected(&mut trial, beyond(4));
+        assert!(
+            text.starts_with("keep-out: inside keep-out zone 'pit'"),
+            "{count} GPS hits: {text}"
+        );
+    }
+}
+
+#[test]
+fn sr_002_the_depth_of_the_behavior_before_a_gps_hit_counts() {
     let deep = |tag| {
         let mut deep = line(tag, (0.0, 500.0), (300.0, 500.0));
         deep.vertical = backseat_core::plugin::VerticalRequest::DepthM(55.0);
         Request::Trackline(deep)
     };
-    // Over 58.5 m of water a line at 55 m keeps 2.5 m, its error of 1 m included; where the vehicle comes from there, it
+    // In 58.5 m of water a line at 55 m keeps 2.5 m, with its error of 1 m included. A vehicle that comes from there
     // may be at 56 m, and the same error leaves too little.
     let limits = Limits {
         water_depth_min_m: Some(58.5),
@@ -282,7 +320,7 @@ fn sr_002_a_depth_of_what_is_flown_before_it_counts() {
 }
 
 #[test]
-fn figures_that_are_no_place_are_rejected() {
+fn impossible_places_are_rejected() {
     let mut trial = under_way();
     for (tag, (latitude_deg, longitude_deg)) in
         (1..).zip([(f64::NAN, -70.0), (91.0, -70.0), (42.0, f64::INFINITY), (42.0, 1e300)])
@@ -294,13 +332,13 @@ fn figures_that_are_no_place_are_rejected() {
         let text = rejected(&mut trial, Request::GpsHit(GpsHitRequest { tag, position }));
         assert!(text.starts_with("limit: "), "{text}");
     }
-    // A legal place on the other side of the earth.
+    // A valid place 3000 km away.
     assert!(rejected(&mut trial, hit_at(9, (3e6, 0.0))).starts_with("surfacing: "));
     assert!(trial.commands("RGP").is_empty());
 }
 
 #[test]
-fn sr_019_gps_hits_are_capped_in_number_and_in_the_duration_of_all_inserts() {
+fn sr_019_gps_hits_are_capped_in_number_and_count_in_the_duration_of_all_inserts() {
     let limits = Limits {
         gps_hits_total_max: 1,
         inserts_total_max: 1,
@@ -312,7 +350,11 @@ fn sr_019_gps_hits_are_capped_in_number_and_in_the_duration_of_all_inserts() {
     assert!(rejected(&mut trial, hit(2)).contains("GPS hits of the mission is 2"));
     trial.ask(0, [good_line(3)]);
     trial.run_for(0.5);
-    assert_eq!(shorts(&trial.states(3))[0], "sent", "it is no trackline");
+    assert_eq!(
+        shorts(&trial.states(3))[0],
+        "sent",
+        "a GPS hit does not count as a trackline"
+    );
 
     let limits = Limits {
         inserts_duration_max_s: 3000.0,
@@ -326,7 +368,7 @@ fn sr_019_gps_hits_are_capped_in_number_and_in_the_duration_of_all_inserts() {
 }
 
 #[test]
-fn it_cannot_be_cancelled_by_its_plugin_its_plugins_failure_or_the_operators_hold() {
+fn neither_its_plugin_nor_a_failure_nor_a_hold_cancels_a_gps_hit() {
     let failing = PluginSetup {
         on_failure: FailAction::Cancel,
         ..plugin("first")
@@ -347,17 +389,17 @@ fn it_cannot_be_cancelled_by_its_plugin_its_plugins_failure_or_the_operators_hol
     trial.run_for(0.5);
     trial.operator(Operator::Hold);
     trial.run_for(0.5);
-    assert_eq!(trial.commands("RCN").len(), 1, "the trackline alone");
+    assert_eq!(trial.commands("RCN").len(), 1, "only the trackline is cancelled");
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
     assert_eq!(shorts(&trial.states(2)).last(), Some(&"cancelled"));
     let said = trial.notes().into_iter().filter(
-        |(_, note)| matches!(note, Note::Text { text } if text.contains("may be flown yet: it cannot be cancelled")),
+        |(_, note)| matches!(note, Note::Text { text } if text.contains("may still be flown: it cannot be cancelled")),
     );
     assert_eq!(said.count(), 2);
 }
 
 #[test]
-fn it_needs_a_complete_plan_and_control() {
+fn a_gps_hit_needs_a_complete_plan_and_control() {
     let mut trial = under_way();
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     let now = trial.now;
@@ -372,7 +414,7 @@ fn it_needs_a_complete_plan_and_control() {
 }
 
 #[test]
-fn answers_twice_or_for_something_else_change_nothing() {
+fn repeated_and_unrelated_answers_change_nothing() {
     let mut trial = accepted();
     let sent = trial.commands("RGP").pop().unwrap().1.created().unwrap();
     let now = trial.now;
@@ -388,7 +430,7 @@ fn answers_twice_or_for_something_else_change_nothing() {
 }
 
 #[test]
-fn a_plugin_that_asks_the_fence_gets_cores_answer() {
+fn a_plugins_query_about_a_gps_hit_gets_cores_verdict() {
     let envelope = Envelope::new(course::harbour(), limits());
     let mut trial = under_way();
     trial.run_for(0.5);

@@ -1,5 +1,5 @@
-//! SR-023: no control, and no clock, without a fresh measured round trip; what cannot be taken back leaves only where the
-//! vehicle has just answered. The trial's judge measures the round trips by itself.
+//! SR-023: there is no control, and no clock, without a fresh measured round trip. A request that cannot be taken back
+//! leaves only if the vehicle has just answered. The trial's judge measures the round trips by itself.
 
 use std::time::Duration;
 
@@ -29,7 +29,7 @@ fn says(trial: &Trial, part: &str) -> bool {
 }
 
 #[test]
-fn sr_023_a_link_that_is_slow_from_its_first_byte_steers_by_its_round_trips_and_never_by_its_looks() {
+fn sr_023_on_a_link_that_is_slow_from_its_first_byte_only_round_trips_decide_on_control() {
     for (forth, back) in [
         (0.005, 0.4),
         (0.4, 0.005),
@@ -60,7 +60,7 @@ fn sr_023_a_link_that_is_slow_from_its_first_byte_steers_by_its_round_trips_and_
 }
 
 #[test]
-fn sr_023_a_link_that_becomes_slow_while_steering_ends_the_lease_and_nothing_is_learnt_from_one_way() {
+fn sr_023_a_link_that_becomes_slow_in_either_direction_ends_the_lease_until_it_is_quick_again() {
     for (forth, back) in [
         (0.005, 1.5),
         (1.5, 0.005),
@@ -86,7 +86,7 @@ fn sr_023_a_link_that_becomes_slow_while_steering_ends_the_lease_and_nothing_is_
             !ended.is_empty() && ended[0].since(slow) <= Duration::from_millis(3100),
             "{ended:?}"
         );
-        // Quick again, it steers again.
+        // When the link is quick again, the plugin steers again.
         trial.delay = Duration::from_millis(5);
         trial.delay_to_vehicle = None;
         let quick = trial.now;
@@ -96,7 +96,7 @@ fn sr_023_a_link_that_becomes_slow_while_steering_ends_the_lease_and_nothing_is_
 }
 
 #[test]
-fn sr_023_a_delay_that_grows_is_followed_by_no_clock() {
+fn sr_023_a_growing_delay_is_not_mistaken_for_a_slow_clock() {
     for (forth, back) in [(0.1, 0.0), (0.0, 0.1), (0.05, 0.05)] {
         let mut trial = Trial::steering();
         insist(&mut trial);
@@ -112,7 +112,7 @@ fn sr_023_a_delay_that_grows_is_followed_by_no_clock() {
 }
 
 #[test]
-fn sr_023_over_reconnects_a_slow_link_stays_unsteered() {
+fn sr_023_a_slow_link_stays_without_control_after_reconnects() {
     let mut trial = Trial::steering();
     insist(&mut trial);
     trial.run_for(5.0);
@@ -127,7 +127,7 @@ fn sr_023_over_reconnects_a_slow_link_stays_unsteered() {
 }
 
 #[test]
-fn sr_023_a_vehicle_that_acknowledges_nothing_is_never_steered_and_that_is_told() {
+fn sr_023_a_vehicle_that_acknowledges_nothing_is_never_steered_and_core_reports_it() {
     let mut trial = Trial::new();
     for name in ["LOG", "VER", "RMP", "STS", "RMB"] {
         trial.vehicle.replies.insert(name, Reply::Silent);
@@ -140,12 +140,12 @@ fn sr_023_a_vehicle_that_acknowledges_nothing_is_never_steered_and_that_is_told(
         "{:?}",
         trial.notes()
     );
-    // It navigates, and is not reset for its habits.
+    // The vehicle navigates, so core does not reset the connection although nothing is acknowledged.
     assert_eq!(trial.sent("VER").len(), 1);
 }
 
 #[test]
-fn sr_023_a_vehicle_that_hears_nothing_more_loses_the_lease_within_three_seconds() {
+fn sr_023_the_lease_ends_within_three_seconds_after_the_vehicle_stops_hearing_us() {
     let mut trial = Trial::steering();
     insist(&mut trial);
     trial.run_for(10.0);
@@ -156,7 +156,7 @@ fn sr_023_a_vehicle_that_hears_nothing_more_loses_the_lease_within_three_seconds
     assert!(last.since(deaf) <= Duration::from_secs(3), "{last}");
     assert!(trial.sent_since("EMB", deaf)[0].since(deaf) <= Duration::from_secs(3));
     assert!(!trial.core.has_control());
-    // Acknowledgements are asked for anew, and the connection is reset only long after the BPEMB.
+    // Core asks for acknowledgements again, and resets the connection only long after the BPEMB.
     let asked = trial.sent_since("LOG", deaf).len();
     assert!(asked >= 3, "{asked}");
     let reset = trial
@@ -168,7 +168,7 @@ fn sr_023_a_vehicle_that_hears_nothing_more_loses_the_lease_within_three_seconds
 }
 
 #[test]
-fn sr_023_a_modify_that_is_never_answered_is_tried_less_and_less() {
+fn sr_023_a_modify_that_is_never_accepted_is_tried_with_growing_pauses() {
     for reply in [Reply::Silent, Reply::Refuse] {
         let mut trial = Trial::under_way();
         trial.vehicle.replies.insert("RMB", reply);
@@ -193,10 +193,10 @@ fn sr_023_a_modify_that_is_never_answered_is_tried_less_and_less() {
         }
         assert!(
             trial.rejection(1).starts_with("pause: "),
-            "the plugin is told: {}",
+            "the plugin learns of the pause: {}",
             trial.rejection(1)
         );
-        // Half a minute of answers, and the next pause is the shortest again.
+        // After half a minute of answers the next pause is the shortest again.
         trial.vehicle.replies.remove("RMB");
         trial.run_for(61.0 + 40.0);
         assert!(trial.core.is_steering());
@@ -208,7 +208,7 @@ fn sr_023_a_modify_that_is_never_answered_is_tried_less_and_less() {
     }
 }
 
-/// A lease that is over before its answer comes is no way around the pause.
+/// A lease that ends before its answer comes does not avoid the pause.
 #[test]
 fn sr_023_a_refusal_that_comes_after_the_lease_has_ended_counts_too() {
     for reply in [Reply::Silent, Reply::Refuse] {
@@ -220,7 +220,7 @@ fn sr_023_a_refusal_that_comes_after_the_lease_has_ended_counts_too() {
         });
         trial.run_for(240.0);
         let sent = trial.sent("RMB");
-        // Without an answer some leave until the first is known to be missing.
+        // Without an answer, some BPRMB leave before core knows that the first is not answered.
         let pauses = sent.windows(2).map(|pair| pair[1].since(pair[0]));
         let pauses: Vec<f64> = pauses
             .map(|pause| pause.as_secs_f64())
@@ -234,7 +234,7 @@ fn sr_023_a_refusal_that_comes_after_the_lease_has_ended_counts_too() {
 }
 
 #[test]
-fn sr_023_where_status_is_never_answered_subscriptions_carry_the_beat() {
+fn sr_023_if_status_is_never_answered_subscriptions_serve_as_the_heartbeat() {
     let mut trial = Trial::new();
     for name in ["VER", "STS", "RMB"] {
         trial.vehicle.replies.insert(name, Reply::Silent);
@@ -249,13 +249,13 @@ fn sr_023_where_status_is_never_answered_subscriptions_carry_the_beat() {
     assert!(lost.is_empty(), "{lost:?}");
     let beats = trial.sent_since("LOG", Timestamp::from_secs(10)).len();
     assert!((18..=21).contains(&beats), "{beats}");
-    // The habit is remembered: a new connection has its beats sooner.
+    // Core remembers this: on a new connection the beats begin sooner.
     trial.cut();
     let cut = trial.now;
     trial.run_for(8.0);
     assert!(trial.core.has_control());
     assert!(trial.sent_since("LOG", cut).len() > 10);
-    // A vehicle that is deaf then is found to be.
+    // Core still notices a vehicle that no longer hears it.
     trial.deaf = true;
     let deaf = trial.now;
     trial.run_for(3.5);
@@ -263,12 +263,12 @@ fn sr_023_where_status_is_never_answered_subscriptions_carry_the_beat() {
     trial.run_for(20.0);
     assert!(
         trial.sent_since("LOG", deaf).len() <= 6,
-        "one in flight, and the asking anew"
+        "one beat in flight, and the renewed subscriptions"
     );
 }
 
 #[test]
-fn sr_023_echoes_of_fewer_decimals_are_answers_too() {
+fn sr_023_acknowledgements_that_echo_fewer_decimals_count_too() {
     for decimals in 0..=9 {
         let mut trial = Trial::new();
         trial.vehicle.echo_decimals = decimals;
@@ -280,7 +280,7 @@ fn sr_023_echoes_of_fewer_decimals_are_answers_too() {
 }
 
 #[test]
-fn sr_023_refusals_and_pending_answers_are_round_trips_too() {
+fn sr_023_refusals_and_pending_answers_count_as_round_trips() {
     for reply in [
         Reply::Refuse,
         Reply::Pending(Duration::from_secs(3), AckStatus::Succeeded),
@@ -298,7 +298,7 @@ fn with_interrupt() -> Setup {
 }
 
 #[test]
-fn sr_023_an_insert_that_interrupts_needs_a_grant_of_its_own() {
+fn sr_023_an_interrupting_insert_needs_its_own_grant() {
     let mut setup = Setup::default();
     setup.plugins[0].grants.retain(|grant| *grant != Grant::Interrupt);
     let mut trial = Trial::with_under_way(setup);
@@ -313,9 +313,9 @@ fn sr_023_an_insert_that_interrupts_needs_a_grant_of_its_own() {
 }
 
 #[test]
-fn sr_023_what_cannot_be_taken_back_waits_for_an_answer_and_leaves_behind_it() {
+fn sr_023_an_irrevocable_request_waits_for_an_answer_and_leaves_after_it() {
     let mut trial = Trial::with_under_way(with_interrupt());
-    // Nothing was answered within the last second.
+    // The vehicle has answered nothing within the last second.
     trial.vehicle.replies.insert("STS", Reply::Silent);
     trial.run_for(1.3);
     assert!(trial.core.has_control());
@@ -333,13 +333,13 @@ fn sr_023_what_cannot_be_taken_back_waits_for_an_answer_and_leaves_behind_it() {
 }
 
 #[test]
-fn sr_023_to_a_vehicle_that_hears_nothing_what_cannot_be_taken_back_is_refused() {
+fn sr_023_an_irrevocable_request_to_a_vehicle_that_hears_nothing_is_refused() {
     let mut trial = Trial::with_under_way(with_interrupt());
     trial.run_for(0.05);
     trial.deaf = true;
     let deaf = trial.now;
     trial.run_for(1.4);
-    assert!(trial.core.has_control(), "its last answer still speaks for it");
+    assert!(trial.core.has_control(), "its last answer is still recent enough");
     trial.ask(0, [interrupting(1), good_line(2)]);
     trial.run_for(1.3);
     assert!(trial.rejection(1).starts_with("heard: "), "{:?}", trial.states(1));
@@ -349,13 +349,13 @@ fn sr_023_to_a_vehicle_that_hears_nothing_what_cannot_be_taken_back_is_refused()
             .iter()
             .all(|(_, command)| !format!("{command:?}").contains("InterruptCurrent"))
     );
-    // The other one is taken back like any: it can be.
+    // The other insert leaves as always, because it can be taken back.
     assert_eq!(shorts(&trial.states(2))[0], "sent");
     assert!(trial.now.since(deaf) < Duration::from_secs(3));
 }
 
 #[test]
-fn sr_023_what_waits_is_judged_anew_and_ends_with_its_plugin() {
+fn sr_023_a_waiting_request_is_judged_again_and_ends_with_its_plugin() {
     let mut trial = Trial::with_under_way(with_interrupt());
     let late = Reply::Late(Duration::from_millis(600), AckStatus::Succeeded);
     trial.vehicle.replies.insert("STS", late);

@@ -1,7 +1,6 @@
 use std::time::Duration;
 
-use backseat_core::plugin::Failure;
-use backseat_core::plugin::{Event, Request, RequestState, TracklineRequest};
+use backseat_core::plugin::{Event, Failure, Request, RequestState, TracklineRequest};
 use backseat_core::{Identifiers, Limits, Start};
 use backseat_spi::{AckStatus, CircleEntry, Interrupt, ToVehicle};
 use backseat_units::EastNorth;
@@ -11,21 +10,18 @@ use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
 fn begin(trial: &mut Trial, identifier: u32) {
-    let now = trial.now;
-    trial.vehicle.begin(now, None, Some(identifier));
+    trial.vehicle.begin(trial.now, None, Some(identifier));
     trial.run_for(0.3);
 }
 
 fn end(trial: &mut Trial, identifier: u32) {
-    let now = trial.now;
-    trial.vehicle.end(now, None, Some(identifier));
+    trial.vehicle.end(trial.now, None, Some(identifier));
     trial.run_for(0.3);
 }
 
-/// The plan goes on.
+/// The vehicle goes on with its plan.
 fn goes_on(trial: &mut Trial) {
-    let now = trial.now;
-    trial.vehicle.begin(now, Some(1), None);
+    trial.vehicle.begin(trial.now, Some(1), None);
     trial.run_for(0.3);
 }
 
@@ -39,7 +35,7 @@ fn accepted() -> Trial {
 }
 
 #[test]
-fn sr_009_an_insert_is_sent_pending_accepted_started_and_ended_once_each() {
+fn sr_009_an_insert_goes_through_each_state_once() {
     let mut trial = Trial::under_way();
     trial
         .vehicle
@@ -59,7 +55,7 @@ fn sr_009_an_insert_is_sent_pending_accepted_started_and_ended_once_each() {
             _ => None,
         })
         .collect();
-    assert_eq!(shorts(&told), states, "the plugin is told of each");
+    assert_eq!(shorts(&told), states, "the plugin learns of each");
     let behaviors = trial.events(0).into_iter().filter(|event| match event {
         Event::BehaviorBegan(behavior) | Event::BehaviorEnded(behavior) => behavior.tag == Some(1),
         _ => false,
@@ -74,7 +70,7 @@ fn sr_009_an_insert_is_sent_pending_accepted_started_and_ended_once_each() {
 }
 
 #[test]
-fn a_trackline_and_a_trackcircle_say_what_was_asked() {
+fn a_trackline_and_a_trackcircle_are_encoded_as_requested() {
     let mut trial = Trial::under_way();
     trial.ask(
         0,
@@ -99,7 +95,7 @@ fn a_trackline_and_a_trackcircle_say_what_was_asked() {
 }
 
 #[test]
-fn sr_009_a_refused_insert_has_failed() {
+fn sr_009_a_refused_insert_fails() {
     for reply in [
         Reply::Refuse,
         Reply::Pending(Duration::from_millis(1500), AckStatus::Failed),
@@ -119,7 +115,7 @@ fn sr_009_a_refused_insert_has_failed() {
 }
 
 #[test]
-fn sr_009_an_insert_without_answer_is_called_back_and_has_timed_out() {
+fn sr_009_an_unanswered_insert_is_called_back_and_times_out() {
     for reply in [Reply::Silent, Reply::PendingForEver] {
         let mut trial = Trial::under_way();
         trial.vehicle.replies.insert("RTK", reply);
@@ -143,7 +139,7 @@ fn sr_009_an_answer_that_comes_after_the_end_changes_nothing() {
     assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
 }
 
-/// An insert whose answer was lost with the link; the vehicle has it or not.
+/// An insert whose answer was lost with the link. The argument says whether the vehicle has it.
 fn in_doubt(vehicle_has_it: bool) -> Trial {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
@@ -173,12 +169,12 @@ fn sr_009_an_insert_in_doubt_is_resolved_by_the_vehicles_plan() {
             .iter()
             .map(|(_, command)| crate::vehicle::name_of(command).1.unwrap())
             .collect();
-        assert_eq!(identifiers, [1, 2], "none is used twice");
+        assert_eq!(identifiers, [1, 2], "no identifier is used twice");
     }
 }
 
 #[test]
-fn sr_009_no_further_insert_while_one_is_in_doubt() {
+fn sr_009_no_insert_is_sent_while_another_is_in_doubt() {
     let mut trial = in_doubt(true);
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.run_for(3.0);
@@ -202,7 +198,7 @@ fn sr_009_no_further_insert_while_one_is_in_doubt() {
 }
 
 #[test]
-fn sr_009_a_cancel_whose_answer_was_lost_leaves_no_doubt_for_ever() {
+fn sr_009_a_cancel_whose_answer_was_lost_does_not_stay_in_doubt() {
     let mut trial = accepted();
     trial.vehicle.replies.insert("RCN", Reply::Silent);
     trial.ask(0, [Request::Cancel(1)]);
@@ -232,13 +228,13 @@ fn sr_009_identifiers_are_reserved_before_they_are_sent_and_never_used_twice() {
             trial.run_for(5.0);
         }
     }
-    // The judge of the trial holds each against what was reserved and used.
+    // The judge of the trial compares each identifier with those that were reserved and used.
     assert_eq!(trial.commands("RTK").len(), 60);
     assert_eq!(trial.core.open_requests(), 0);
 }
 
 #[test]
-fn sr_009_a_restarted_process_begins_after_what_was_reserved_and_without_state_sends_none() {
+fn sr_009_a_restarted_process_continues_after_the_reserved_identifiers_and_without_state_sends_no_insert() {
     let setup = Setup::default();
     let start = Start {
         identifiers: Some(Identifiers {
@@ -269,7 +265,7 @@ fn sr_009_a_restarted_process_begins_after_what_was_reserved_and_without_state_s
 }
 
 #[test]
-fn sr_019_what_a_killed_process_left_in_the_vehicles_plan_counts_under_the_cap_until_it_is_flown() {
+fn sr_019_inserts_that_a_killed_process_left_count_under_the_cap_until_they_are_flown() {
     let mut setup = Setup::default().after(0, 0);
     setup.limits.inserts_open_max = 2;
     let mut trial = Trial::with(setup);
@@ -291,13 +287,13 @@ fn sr_019_what_a_killed_process_left_in_the_vehicles_plan_counts_under_the_cap_u
 }
 
 #[test]
-fn sr_009_a_mission_status_of_no_meaning_takes_control_and_leaves_the_inserts_open() {
+fn sr_009_a_meaningless_mission_status_takes_control_and_leaves_the_inserts_open() {
     let mut trial = accepted();
     let now = trial.now;
     trial.vehicle.set_status(now, " ");
     trial.run_for(0.5);
     assert!(!trial.core.has_control());
-    assert_eq!(trial.core.open_requests(), 1, "the vehicle may fly it yet");
+    assert_eq!(trial.core.open_requests(), 1, "the vehicle may still fly it");
     let now = trial.now;
     trial.vehicle.set_status(now, "Completed");
     trial.run_for(0.5);
@@ -305,7 +301,7 @@ fn sr_009_a_mission_status_of_no_meaning_takes_control_and_leaves_the_inserts_op
 }
 
 #[test]
-fn sr_002_the_transit_from_an_insert_that_was_not_answered_is_judged() {
+fn sr_002_the_transit_from_an_unanswered_insert_is_checked() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.vehicle.replies.insert("RCN", Reply::Refuse);
@@ -322,12 +318,13 @@ fn sr_002_the_transit_from_an_insert_that_was_not_answered_is_judged() {
     );
 }
 
-/// From the planned line's end the way to its start is free, from the line's west it leads over the wreck.
+/// An insert behind the wreck. The way to its start is clear from the end of the planned line, but leads over the wreck
+/// from the west of the line.
 fn beyond_the_wreck(tag: u64) -> Request {
     Request::Trackline(line(tag, (300.0, -1300.0), (600.0, -1300.0)))
 }
 
-/// In the east, clear of the wreck all the way, as is the way from its end to [`beyond_the_wreck`].
+/// An insert in the east, clear of the wreck all the way. The way from its end to [`beyond_the_wreck`] is clear too.
 fn in_the_east(tag: u64) -> Request {
     Request::Trackline(line(tag, (900.0, -600.0), (900.0, -1300.0)))
 }
@@ -342,17 +339,17 @@ fn is_over_the_wreck(trial: &Trial, tag: u64) {
 }
 
 #[test]
-fn sr_002_the_transit_to_an_insert_is_judged_from_the_whole_planned_line_that_may_end_by_its_time_limit() {
+fn sr_002_the_transit_to_an_insert_is_checked_from_the_whole_planned_line_because_it_may_time_out() {
     let mut trial = Trial::under_way();
     trial.ask(0, [beyond_the_wreck(1), in_the_east(2)]);
     trial.run_for(0.5);
     is_over_the_wreck(&trial, 1);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
-    // After that one it does not come from the line any more.
+    // After insert 2 the vehicle no longer comes from the planned line.
     trial.ask(0, [beyond_the_wreck(3)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
-    // Without it, it would.
+    // Without insert 2 it would, so insert 2 cannot be cancelled.
     trial.ask(0, [Request::Cancel(2)]);
     trial.run_for(0.5);
     let states = trial.cancel_states(2);
@@ -360,7 +357,7 @@ fn sr_002_the_transit_to_an_insert_is_judged_from_the_whole_planned_line_that_ma
 }
 
 #[test]
-fn sr_002_the_transit_to_an_insert_is_judged_from_what_comes_before_one_that_may_be_refused_yet() {
+fn sr_002_the_transit_to_an_insert_is_also_checked_in_case_the_insert_before_it_is_refused() {
     let mut trial = Trial::under_way();
     trial.ask(0, [in_the_east(1), beyond_the_wreck(2)]);
     trial.run_for(0.5);
@@ -369,7 +366,7 @@ fn sr_002_the_transit_to_an_insert_is_judged_from_what_comes_before_one_that_may
 }
 
 #[test]
-fn sr_002_an_insert_that_another_planned_behavior_comes_before_is_judged_from_there_or_called_back() {
+fn sr_002_an_insert_that_follows_another_planned_behavior_is_checked_from_there_or_called_back() {
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(100.0, 200.0);
     trial.run_for(2.0);
@@ -379,11 +376,11 @@ fn sr_002_an_insert_that_another_planned_behavior_comes_before_is_judged_from_th
     trial.ask(0, [beyond_the_wreck(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
-    // This vehicle flies it after the next behavior.
+    // This vehicle flies the insert only after the next behavior.
     let now = trial.now;
     trial.vehicle.begin(now, Some(2), None);
     trial.run_for(0.3);
-    assert_eq!(trial.sent("RCN").len(), 0, "from there the way is free too");
+    assert_eq!(trial.sent("RCN").len(), 0, "the way from there is clear too");
     let now = trial.now;
     trial.vehicle.begin(now, Some(1), None);
     trial.run_for(0.5);
@@ -392,7 +389,7 @@ fn sr_002_an_insert_that_another_planned_behavior_comes_before_is_judged_from_th
 }
 
 #[test]
-fn sr_002_sr_020_bottom_lock_tells_how_high_the_ways_are_that_remain() {
+fn sr_002_sr_020_bottom_lock_gives_the_height_above_the_seabed_on_the_remaining_ways() {
     let waiting = |altitude_m| {
         let mut trial = Trial::with_under_way(Setup {
             limits: Limits {
@@ -408,7 +405,7 @@ fn sr_002_sr_020_bottom_lock_tells_how_high_the_ways_are_that_remain() {
         trial.run_for(0.5);
         assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
         trial.vehicle.altitude_m = altitude_m;
-        // Longer than a lock that is lost still counts.
+        // This is longer than a lost bottom lock still counts.
         trial.run_for(60.0);
         trial
     };
@@ -420,7 +417,7 @@ fn sr_002_sr_020_bottom_lock_tells_how_high_the_ways_are_that_remain() {
     trial.ask(0, [Request::Cancel(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.cancel_states(1)), ["sent", "accepted", "ended"]);
-    // Nobody knows how high.
+    // Without bottom lock the height above the seabed is unknown.
     let mut trial = waiting(None);
     trial.ask(0, [Request::Cancel(1)]);
     trial.run_for(0.5);
@@ -428,7 +425,7 @@ fn sr_002_sr_020_bottom_lock_tells_how_high_the_ways_are_that_remain() {
 }
 
 #[test]
-fn sr_002_the_way_onto_an_interrupted_line_is_judged_for_what_is_flown_first() {
+fn sr_002_the_way_back_to_an_interrupted_line_is_checked_for_the_inserts_before_it() {
     let mut trial = Trial::under_way();
     trial.ask(0, [interrupting(1)]);
     trial.run_for(0.5);
@@ -438,7 +435,8 @@ fn sr_002_the_way_onto_an_interrupted_line_is_judged_for_what_is_flown_first() {
     end(&mut trial, 1);
     begin(&mut trial, 2);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted", "started"]);
-    // From its end the way to the next behavior is free, and onto the line that was left for the first it is not.
+    // From its end the way to the next behavior is clear, but the way back to the line that the first insert
+    // interrupted is not.
     let behind = |tag| Request::Trackline(line(tag, (400.0, -1100.0), (400.0, -1300.0)));
     trial.ask(0, [behind(3)]);
     trial.run_for(0.5);
@@ -455,7 +453,7 @@ fn sr_002_the_way_onto_an_interrupted_line_is_judged_for_what_is_flown_first() {
 }
 
 #[test]
-fn sr_002_the_transit_from_an_insert_that_is_not_ours_is_judged() {
+fn sr_002_the_transit_from_another_payloads_insert_is_checked() {
     let mut trial = Trial::under_way();
     let good = || Request::Trackline(line(1, (0.0, 500.0), (300.0, 500.0)));
     trial.ask(0, [good()]);
@@ -472,7 +470,7 @@ fn sr_002_the_transit_from_an_insert_that_is_not_ours_is_judged() {
 }
 
 #[test]
-fn sr_019_the_open_inserts_are_capped_in_number() {
+fn sr_019_the_number_of_open_inserts_is_capped() {
     let mut trial = Trial::under_way();
     trial.ask(0, (1..=5).map(good_line));
     trial.run_for(0.5);
@@ -491,7 +489,7 @@ fn sr_019_the_open_inserts_are_capped_in_number() {
 }
 
 #[test]
-fn sr_019_all_inserts_of_a_mission_are_capped_in_number() {
+fn sr_019_the_number_of_all_inserts_of_a_mission_is_capped() {
     let limits = Limits {
         inserts_total_max: 2,
         ..limits()
@@ -510,7 +508,7 @@ fn sr_019_all_inserts_of_a_mission_are_capped_in_number() {
 }
 
 #[test]
-fn sr_019_open_inserts_are_capped_in_duration() {
+fn sr_019_the_duration_of_open_inserts_is_capped() {
     // A line of 300 m with leads and transit takes some 20 minutes at the worst.
     let limits = Limits {
         inserts_duration_max_s: 2000.0,
@@ -532,7 +530,7 @@ fn sr_019_open_inserts_are_capped_in_duration() {
 }
 
 #[test]
-fn sr_019_inserts_that_were_not_answered_for_stay_under_the_caps_until_they_are_called_back() {
+fn sr_019_unanswered_inserts_count_under_the_caps_until_they_are_called_back() {
     let caps = [
         Limits {
             inserts_open_max: 1,
@@ -577,12 +575,20 @@ fn sr_010_nothing_interrupts_an_interrupting_insert() {
     trial.ask(1, [interrupting(3), good_line(4)]);
     trial.run_for(0.5);
     assert!(trial.rejection(3).contains("interrupt"));
-    assert_eq!(shorts(&trial.states(4)), ["sent", "accepted"], "one that waits may");
+    assert_eq!(
+        shorts(&trial.states(4)),
+        ["sent", "accepted"],
+        "a waiting insert is allowed"
+    );
     end(&mut trial, 1);
-    // Until something begins nobody knows what an insert would come after.
+    // Until a behavior begins, core does not know what an insert would follow.
     trial.ask(1, [good_line(6)]);
     trial.run_for(0.5);
-    assert!(trial.rejection(6).contains("not heard"), "{}", trial.rejection(6));
+    assert!(
+        trial.rejection(6).contains("current behavior unknown"),
+        "{}",
+        trial.rejection(6)
+    );
     goes_on(&mut trial);
     trial.ask(1, [interrupting(5)]);
     trial.run_for(0.5);
@@ -590,7 +596,7 @@ fn sr_010_nothing_interrupts_an_interrupting_insert() {
 }
 
 #[test]
-fn sr_010_an_interrupting_insert_that_was_not_answered_for_may_fly_and_is_not_interrupted() {
+fn sr_010_an_unanswered_interrupting_insert_may_be_flown_and_is_not_interrupted() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.vehicle.replies.insert("RCN", Reply::Silent);
@@ -604,7 +610,7 @@ fn sr_010_an_interrupting_insert_that_was_not_answered_for_may_fly_and_is_not_in
 }
 
 #[test]
-fn an_insert_is_cancelled_before_it_begins_and_not_after() {
+fn an_insert_can_be_cancelled_only_before_it_begins() {
     let mut trial = accepted();
     trial.ask(0, [good_line(2)]);
     trial.run_for(0.5);
@@ -624,7 +630,7 @@ fn an_insert_is_cancelled_before_it_begins_and_not_after() {
 }
 
 #[test]
-fn a_plugin_cannot_cancel_anothers_insert() {
+fn a_plugin_cannot_cancel_another_plugins_insert() {
     let mut trial = accepted();
     trial.ask(1, [Request::Cancel(1)]);
     trial.run_for(0.5);
@@ -632,7 +638,7 @@ fn a_plugin_cannot_cancel_anothers_insert() {
 }
 
 #[test]
-fn a_cancel_that_is_refused_or_not_answered_leaves_the_insert_as_it_was() {
+fn a_refused_or_unanswered_cancel_leaves_the_insert_as_it_was() {
     for (reply, end) in [(Reply::Refuse, "failed"), (Reply::Silent, "timed out")] {
         let mut trial = accepted();
         trial.vehicle.replies.insert("RCN", reply);
@@ -655,7 +661,7 @@ fn a_tag_names_one_open_insert() {
 }
 
 #[test]
-fn sr_009_the_ledger_is_closed_when_the_mission_is() {
+fn sr_009_every_open_request_ends_with_the_mission() {
     let mut trial = accepted();
     trial.ask(0, [good_line(2), Request::Modify(crate::course::modify(3))]);
     trial.run_for(0.5);
@@ -679,7 +685,7 @@ fn sr_009_the_ledger_is_closed_when_the_mission_is() {
 }
 
 #[test]
-fn sr_009_an_insert_whose_end_was_lost_with_the_link_ends_where_another_behavior_begins() {
+fn sr_009_an_insert_whose_end_was_lost_with_the_link_ends_when_another_behavior_begins() {
     let mut trial = accepted();
     begin(&mut trial, 1);
     trial.vehicle.replays = false;

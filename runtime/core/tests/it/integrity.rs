@@ -10,7 +10,8 @@ use backseat_units::{Altitude, Depth, EastNorth, Heading, TimeOfDay, Timestamp, 
 use crate::course::{self, modify};
 use crate::trial::Trial;
 
-/// The vehicle's navigation goes wrong so: by the seconds since it began to. False where BFNVR stays away.
+/// A way in which the vehicle's navigation goes wrong, from a figure and the seconds since it began to. False means
+/// that no BFNVR is sent.
 type Wrong = fn(f64, f64, &mut Navigation, &mut VelocityAndRates) -> bool;
 
 fn move_by(navigation: &mut Navigation, by: EastNorth) {
@@ -23,49 +24,49 @@ fn head(navigation: &mut Navigation, degrees: f64) {
     navigation.heading = heading.to_grid(utm_convergence_deg(navigation.position));
 }
 
-/// Whether it is an even sample, at 10 Hz.
+/// Whether the sample of this time is an even one, at 10 Hz.
 fn is_even(since_s: f64) -> bool {
     ((since_s * 10.0).round() as u64).is_multiple_of(2)
 }
 
-/// Position against velocity: it creeps by so many metres a second.
+/// The position creeps away from what the velocity says, at `figure` m/s.
 fn creeps(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
     move_by(navigation, EastNorth::new(0.0, figure * since_s));
     true
 }
 
-/// It stands still while the velocity says so many metres a second.
+/// The position stands still while the velocity says `figure` m/s.
 fn freezes(figure: f64, since_s: f64, navigation: &mut Navigation, velocity: &mut VelocityAndRates) -> bool {
     move_by(navigation, EastNorth::new(-1.5 * since_s, 0.0));
     velocity.east_mps = figure;
-    // To the last digit.
+    // The position stays the same to its last digit.
     let frame = *course::fence().frame();
     let place = frame.to_local(navigation.position);
     navigation.position = frame.to_position(EastNorth::new(place.east_m.round(), 0.0));
     true
 }
 
-/// It goes backwards by so many metres a second while the velocity goes on.
+/// The position goes backwards at `figure` m/s while the velocity goes on.
 fn backs(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
     move_by(navigation, EastNorth::new(-(1.5 + figure) * since_s, 0.0));
     true
 }
 
-/// The velocity itself is so much.
+/// The velocity itself is `figure` m/s, and the position follows it.
 fn races(figure: f64, since_s: f64, navigation: &mut Navigation, velocity: &mut VelocityAndRates) -> bool {
     velocity.east_mps = figure;
     move_by(navigation, EastNorth::new((figure - 1.5) * since_s, 0.0));
     true
 }
 
-/// The heading jumps to and fro by so many degrees at each sample.
+/// The heading jumps to and fro by `figure` degrees at each sample.
 fn flips(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
     let even = is_even(since_s);
     head(navigation, if even { 90.0 } else { 90.0 + figure });
     true
 }
 
-/// The depth jumps to and fro by so many metres at each sample.
+/// The depth jumps to and fro by `figure` metres at each sample.
 fn heaves(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
     let even = is_even(since_s);
     let (depth_m, altitude_m) = if even {
@@ -78,26 +79,26 @@ fn heaves(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut Veloci
     true
 }
 
-/// BFNVR stays away.
+/// The vehicle sends no BFNVR.
 fn withholds(_: f64, _: f64, _: &mut Navigation, _: &mut VelocityAndRates) -> bool {
     false
 }
 
-/// BFNVR is that of two seconds ago.
+/// Each BFNVR is two seconds old.
 fn lags(_: f64, _: f64, _: &mut Navigation, velocity: &mut VelocityAndRates) -> bool {
     let nanos = velocity.created.as_nanos() - 2_000_000_000;
     velocity.created = TimeOfDay::from_nanos(nanos).unwrap();
     true
 }
 
-/// Depth plus altitude steps to and fro by so many metres.
+/// Depth plus altitude steps to and fro by `figure` metres.
 fn steps(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
     let even = is_even(since_s);
     navigation.altitude = Some(Altitude::from_m(if even { 70.0 } else { 70.0 - figure }).unwrap());
     true
 }
 
-/// How long after navigation goes wrong the lease ends, seconds; `None` where it stands for half a minute.
+/// How many seconds after navigation goes wrong the lease ends; `None` if it goes on for half a minute.
 fn ends_after_s(wrong: Wrong, figure: f64) -> Option<f64> {
     let mut trial = Trial::steering();
     trial.script(0, |_| (Duration::from_millis(1), Ok(vec![Request::Modify(modify(1))])));
@@ -109,7 +110,7 @@ fn ends_after_s(wrong: Wrong, figure: f64) -> Option<f64> {
     trial.run_for(30.0);
     let ended = trial.sent_since("EMB", began).first().copied();
     if let Some(ended) = ended {
-        // While it goes on nothing steers again.
+        // While navigation is wrong, nothing steers again.
         let steered = trial.sent_since("RMB", ended + Duration::from_millis(1));
         assert!(
             steered.is_empty(),
@@ -123,7 +124,7 @@ fn ends_after_s(wrong: Wrong, figure: f64) -> Option<f64> {
 }
 
 #[test]
-fn sr_024_what_was_found_to_steer_on_ends_the_lease() {
+fn sr_024_each_kind_of_wrong_navigation_ends_the_lease() {
     let cases: [(&str, Wrong, f64, f64); 8] = [
         ("creeping 9 m a sample", creeps, 90.0, 2.0),
         ("frozen under 1.5 m/s", freezes, 1.5, 12.0),
@@ -145,7 +146,7 @@ fn sr_024_what_was_found_to_steer_on_ends_the_lease() {
 
 #[test]
 fn sr_024_each_flaw_has_its_limit() {
-    // By the defaults: the limit, and what just passes it.
+    // With the default limits: a figure under the limit, and one just over it.
     let cases: [(&str, Wrong, f64, f64); 6] = [
         ("creeping", creeps, 1.3, 1.45),
         ("frozen", freezes, 0.29, 0.31),
@@ -161,17 +162,17 @@ fn sr_024_each_flaw_has_its_limit() {
         }
         assert!(ends_after_s(wrong, over).is_some(), "{name}, just over");
     }
-    // Position against velocity: 10 m and 0.3 m/s over 9.5 s, which is 1.35 m/s.
+    // The limit of position against velocity is 10 m and 0.3 m/s over 9.5 s, which makes 1.35 m/s.
     for (drift, ends) in [(0.67, false), (1.3, false), (1.45, true)] {
         assert_eq!(ends_after_s(creeps, drift).is_some(), ends, "{drift} m/s");
     }
-    // Frozen: a vehicle of under 0.3 m/s may stand still, and of 0.29 m/s it is not told whether it does.
+    // A vehicle of under 0.3 m/s may be standing still, so a frozen position is no flaw there.
     assert_eq!(ends_after_s(freezes, 0.0), None);
     assert!(ends_after_s(steps, 14.5).is_none() && ends_after_s(steps, 30.0).is_some());
 }
 
 #[test]
-fn sr_024_a_true_fix_is_no_flaw_and_unsteady_all_the_same() {
+fn sr_024_a_true_gps_fix_is_no_flaw_but_counts_as_unsteady() {
     for metres in [5.0, 15.0, 200.0] {
         let mut trial = Trial::under_way();
         trial.vehicle.bend = Some(Box::new(
@@ -187,7 +188,7 @@ fn sr_024_a_true_fix_is_no_flaw_and_unsteady_all_the_same() {
                 true
             },
         ));
-        // It comes up at once here, which is a flaw of its own and long over.
+        // This vehicle comes up at once. That is a flaw of its own, which is long over by then.
         trial.run_for(17.0);
         let before = trial.now;
         trial.run_for(30.0);
@@ -201,9 +202,9 @@ fn sr_024_a_true_fix_is_no_flaw_and_unsteady_all_the_same() {
     }
 }
 
-/// The vehicle has lost BPLOG,NVR on the way, and an answer of another one was taken for its own.
+/// The BPLOG,NVR was lost on its way, and core took the answer to another BPLOG for its own.
 #[test]
-fn sr_024_velocities_that_stay_away_are_subscribed_anew() {
+fn sr_024_missing_velocities_are_subscribed_again() {
     let mut trial = Trial::under_way();
     trial.vehicle.subscribed.remove("NVR");
     let at = trial.now;

@@ -1,4 +1,4 @@
-//! Holds each sentence of core's against what the vehicle has said.
+//! Compares each sentence that core sends with what the vehicle has said.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::vehicle::name_of;
 
-/// Knows what the vehicle has said and what has been delivered, and nothing of core.
+/// Knows what the vehicle has said and what was delivered, and nothing about core.
 pub(crate) struct Judge {
     pub(crate) hook: ControlHook,
     pub(crate) armed: bool,
@@ -18,22 +18,22 @@ pub(crate) struct Judge {
     pub(crate) handed_over: Option<bool>,
     pub(crate) running: Option<bool>,
     pub(crate) solved: Option<Timestamp>,
-    /// When the last BPRMB that no BPEMB has ended was sent.
+    /// When the last BPRMB was sent, if no BPEMB has ended it.
     pub(crate) modified: Option<Timestamp>,
     pub(crate) last_modify: Option<Timestamp>,
-    /// When the last message left that keeps a mission suspended, while one is.
+    /// When the last message left that keeps the mission suspended, while it is suspended.
     pub(crate) suspended: Option<Timestamp>,
     pub(crate) last_move: Option<Timestamp>,
     pub(crate) reserved: u32,
     pub(crate) identifiers: Vec<u32>,
-    /// The vehicle's last word on the DVL's triggering.
+    /// Whether the vehicle has allowed us to trigger the DVL.
     pub(crate) may_trigger: bool,
     pub(crate) delay_max: Duration,
-    /// Commands with a time on this connection, and BPLOG, that no acknowledgement has come for.
+    /// The commands with a time, and the BPLOG, that were sent on this connection and are not acknowledged.
     unanswered: Vec<(&'static str, Option<TimeOfDay>, Timestamp)>,
-    /// When the command left whose acknowledgement came in time, the newest.
+    /// When the newest command left whose acknowledgement came in time.
     answered: Option<Timestamp>,
-    /// What no round trip spoke for is none of this trial's business.
+    /// This trial does not require a round trip for what steers.
     pub(crate) deaf_is_fine: bool,
 }
 
@@ -62,7 +62,7 @@ impl Judge {
         }
     }
 
-    /// An acknowledgement came: the command that it is for made a round trip.
+    /// An acknowledgement completes the round trip of its command.
     fn acknowledged(&mut self, now: Timestamp, ack: &Acknowledgement) {
         let name = ack.command.to_string();
         let index = self.unanswered.iter().position(|(sent, created, _)| {
@@ -117,15 +117,15 @@ impl Judge {
         self.up && !self.held && self.handed_over == Some(true) && self.running == Some(true)
     }
 
-    /// Core has handled what arrived: without control nothing stands.
+    /// Checks that nothing steers without control, once core has handled what arrived.
     pub(crate) fn settled(&self, now: Timestamp) {
         assert!(
             self.has_control() || self.modified.is_none(),
-            "a modify stands at {now} without control"
+            "a modify goes on at {now} without control"
         );
         assert!(
             self.has_control() || self.suspended.is_none(),
-            "station keeping stands at {now} without control"
+            "station keeping goes on at {now} without control"
         );
     }
 
@@ -185,7 +185,10 @@ impl Judge {
                 self.identifiers.push(packet.request);
             }
             ToVehicle::DvlTriggerRequest(request) => {
-                assert!(self.may_trigger || !request.triggering, "BPDVR x,1 at {now} unasked");
+                assert!(
+                    self.may_trigger || !request.triggering,
+                    "BPDVR x,1 at {now} without permission"
+                );
                 self.may_trigger &= request.external || request.triggering;
             }
             _ => {}

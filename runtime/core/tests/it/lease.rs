@@ -9,7 +9,7 @@ use crate::course::{LIFTED, limits, line, modify, modify_for, turn};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
-/// What the last BPRMB said.
+/// The last BPRMB.
 fn last_modify(trial: &Trial) -> backseat_spi::ModifyBehavior {
     match trial.commands("RMB").pop() {
         Some((_, ToVehicle::ModifyBehavior(modify))) => modify,
@@ -18,7 +18,7 @@ fn last_modify(trial: &Trial) -> backseat_spi::ModifyBehavior {
 }
 
 #[test]
-fn sr_003_a_lease_is_sent_at_once_and_refreshed_each_second_until_its_term() {
+fn sr_003_a_lease_is_sent_at_once_and_refreshed_each_second_until_its_term_ends() {
     let mut trial = Trial::under_way();
     let asked = trial.now;
     trial.ask(0, [modify_for(1, Duration::from_secs(10))]);
@@ -36,7 +36,7 @@ fn sr_003_a_lease_is_sent_at_once_and_refreshed_each_second_until_its_term() {
 }
 
 #[test]
-fn sr_003_all_three_values_are_always_said() {
+fn sr_003_a_modify_always_contains_all_three_values() {
     let mut trial = Trial::steering();
     let said = last_modify(&trial);
     assert_eq!(
@@ -85,7 +85,7 @@ fn a_changed_modify_is_sent_at_once_and_at_most_five_times_a_second() {
 }
 
 #[test]
-fn a_modify_that_is_asked_for_again_unchanged_is_not_sent_more_often() {
+fn an_unchanged_modify_that_is_requested_again_is_not_sent_more_often() {
     let mut trial = Trial::steering();
     trial.script(0, |_| (Duration::from_millis(1), Ok(vec![Request::Modify(modify(1))])));
     let start = trial.now;
@@ -133,11 +133,11 @@ fn sr_003_a_lease_ends_with_one_bpemb_whatever_ends_it() {
         ("the vehicle did not acknowledge it", |trial| {
             trial.vehicle.replies.insert("RMB", Reply::Silent);
         }),
-        ("a behavior began under it", |trial| {
+        ("a behavior began during it", |trial| {
             let now = trial.now;
             trial.vehicle.begin(now, Some(2), None);
         }),
-        ("a behavior ended under it", |trial| {
+        ("a behavior ended during it", |trial| {
             let now = trial.now;
             trial.vehicle.end(now, Some(1), None);
         }),
@@ -183,7 +183,7 @@ fn sr_003_an_acknowledgement_may_come_late_within_the_second() {
 }
 
 #[test]
-fn sr_003_a_refusal_ends_a_lease_that_was_asked_for_anew_meanwhile() {
+fn sr_003_a_refusal_ends_a_lease_that_was_renewed_meanwhile() {
     let mut trial = Trial::under_way();
     trial
         .vehicle
@@ -213,7 +213,7 @@ fn sr_003_a_wake_up_late_by_over_half_a_second_ends_the_lease_before_any_input_i
 }
 
 #[test]
-fn a_wake_up_a_little_late_is_borne() {
+fn a_slightly_late_wake_up_is_tolerated() {
     let mut trial = Trial::steering();
     trial.asleep_until = trial.now + Duration::from_millis(450);
     trial.run_for(3.0);
@@ -221,8 +221,8 @@ fn a_wake_up_a_little_late_is_borne() {
 }
 
 #[test]
-fn sr_004_each_refresh_is_checked_anew_and_the_fence_ends_the_lease() {
-    // It drifts towards the western edge, some 1990 m from the middle, though it is told to head east.
+fn sr_004_each_refresh_of_a_lease_is_checked_again_and_the_fence_ends_it() {
+    // The vehicle drifts towards the western edge, some 1990 m from the middle, although the modify says east.
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(-1850.0, 500.0);
     trial.vehicle.heading_deg = 270.0;
@@ -237,13 +237,13 @@ fn sr_004_each_refresh_is_checked_anew_and_the_fence_ends_the_lease() {
     assert_eq!(trial.sent("EMB"), [ended]);
     let here = trial.core.navigation().unwrap().local.east_m;
     assert!(here > -1990.0, "{here}");
-    assert!(trial.sent("RMB").len() > 10, "it stood at first");
+    assert!(trial.sent("RMB").len() > 10, "the lease went on at first");
     assert!(matches!(trial.states(1).last(), Some(RequestState::Ended(text)) if text.cause() == "keep-in"));
 }
 
 #[test]
-fn sr_004_a_lease_whose_reach_comes_to_touch_the_margin_ends_at_that_sample_and_not_at_its_next_refresh() {
-    // The bottom rises under it: only the bottom lock tells.
+fn sr_004_a_lease_that_comes_to_reach_the_margin_ends_at_that_sample_and_not_at_its_next_refresh() {
+    // The seabed rises under the vehicle; only the bottom lock shows it.
     let setup = Setup {
         limits: Limits {
             water_depth_min_m: None,
@@ -277,7 +277,7 @@ fn sr_004_a_lease_whose_reach_comes_to_touch_the_margin_ends_at_that_sample_and_
 }
 
 #[test]
-fn sr_004_an_insert_that_is_asked_for_under_a_lease_is_a_way_back_from_it_at_once() {
+fn sr_004_an_insert_requested_during_a_lease_is_at_once_part_of_the_way_back() {
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(-640.0, 0.0);
     trial.run_for(2.0);
@@ -285,7 +285,8 @@ fn sr_004_an_insert_that_is_asked_for_under_a_lease_is_a_way_back_from_it_at_onc
     trial.run_for(0.5);
     assert!(trial.core.is_steering(), "{:?}", trial.states(1));
     let before = trial.now;
-    // Good for itself, for the way there is clear of the wreck; but in its turn the lease may come nearer to it.
+    // The insert itself is good, because the way there is clear of the wreck. But in a turn back to it a vehicle under
+    // the lease may come nearer to the wreck.
     trial.ask(1, [Request::Trackline(line(2, (705.0, -1400.0), (990.0, -1400.0)))]);
     trial.run_for(0.35);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
@@ -295,7 +296,7 @@ fn sr_004_an_insert_that_is_asked_for_under_a_lease_is_a_way_back_from_it_at_onc
 }
 
 #[test]
-fn the_heading_is_counted_from_the_north_that_the_vehicle_is_set_to() {
+fn the_heading_is_measured_from_the_north_that_the_vehicle_uses() {
     let heading = |frame| {
         let settings = Settings {
             heading_frame: frame,
@@ -316,7 +317,7 @@ fn the_heading_is_counted_from_the_north_that_the_vehicle_is_set_to() {
 }
 
 #[test]
-fn the_higher_plugin_takes_the_lease_and_the_lower_is_rejected() {
+fn a_plugin_of_higher_priority_takes_the_lease_and_one_of_lower_priority_is_rejected() {
     let mut trial = Trial::under_way();
     trial.ask(1, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
@@ -332,7 +333,10 @@ fn the_higher_plugin_takes_the_lease_and_the_lower_is_rejected() {
     trial.ask(1, [Request::Modify(modify(3)), Request::EndModify]);
     trial.run_for(0.5);
     assert!(trial.rejection(3).contains("higher priority"));
-    assert!(trial.core.is_steering(), "the lower one cannot end it either");
+    assert!(
+        trial.core.is_steering(),
+        "the plugin of lower priority cannot end it either"
+    );
     trial.ask(0, [Request::EndModify]);
     trial.run_for(0.3);
     trial.ask(1, [Request::Modify(modify(4))]);
@@ -341,7 +345,7 @@ fn the_higher_plugin_takes_the_lease_and_the_lower_is_rejected() {
 }
 
 #[test]
-fn a_rejected_modify_of_the_higher_plugin_leaves_the_lower_one_steering() {
+fn a_rejected_modify_of_a_plugin_of_higher_priority_leaves_the_other_steering() {
     let mut trial = Trial::under_way();
     trial.ask(1, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
@@ -352,7 +356,7 @@ fn a_rejected_modify_of_the_higher_plugin_leaves_the_lower_one_steering() {
 }
 
 #[test]
-fn sr_002_without_the_vehicles_plan_no_modify_unless_the_mission_allows_it() {
+fn sr_002_without_the_vehicles_plan_a_modify_is_rejected_unless_the_mission_allows_it() {
     for needs in [true, false] {
         let limits = Limits {
             modify_needs_plan: needs,
@@ -368,7 +372,7 @@ fn sr_002_without_the_vehicles_plan_no_modify_unless_the_mission_allows_it() {
         trial.run_for(0.5);
         assert_eq!(trial.core.is_steering(), !needs);
         if needs {
-            assert!(trial.rejection(1).contains("plan is not known"));
+            assert!(trial.rejection(1).contains("plan unknown"));
             trial.vehicle.replies.clear();
             trial.run_for(8.0);
             trial.ask(0, [Request::Modify(modify(2))]);
@@ -379,7 +383,7 @@ fn sr_002_without_the_vehicles_plan_no_modify_unless_the_mission_allows_it() {
 }
 
 #[test]
-fn sr_007_a_cut_link_ends_the_lease_without_a_word_and_nothing_is_said_for_it_later() {
+fn sr_007_a_cut_link_ends_the_lease_and_nothing_is_sent_for_it_later() {
     let mut trial = Trial::steering();
     let cut = trial.now;
     trial.cut();
@@ -435,7 +439,7 @@ fn terms_and_figures_beyond_the_limits_are_rejected_and_never_clamped() {
 }
 
 #[test]
-fn sr_003_the_end_of_a_lease_is_said_within_100_ms_of_its_cause() {
+fn sr_003_the_end_of_a_lease_is_sent_within_100_ms_of_its_cause() {
     let mut trial = Trial::steering();
     let asked = trial.now;
     trial.vehicle.set_control(asked, false);

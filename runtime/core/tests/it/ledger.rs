@@ -26,13 +26,10 @@ fn sr_009_every_request_has_one_end_and_is_counted_once() {
     assert_eq!(trial.core.open_requests(), 0);
 }
 
-/// An insert was refused for want of the plan, and one is taken once the vehicle has told it again.
+/// Checks that an insert was refused because the plan is unknown, and that one is accepted once the vehicle has sent
+/// the plan again.
 fn known_once_it_has_come_anew(trial: &mut Trial) {
-    assert!(
-        trial.rejection(1).contains("plan is not known"),
-        "{:?}",
-        trial.states(1)
-    );
+    assert!(trial.rejection(1).contains("plan unknown"), "{:?}", trial.states(1));
     trial.vehicle.replies.clear();
     let now = trial.now;
     trial.vehicle.begin(now, Some(1), None);
@@ -43,11 +40,11 @@ fn known_once_it_has_come_anew(trial: &mut Trial) {
 }
 
 #[test]
-fn sr_002_a_plan_whose_series_was_interrupted_by_the_missions_start_is_not_taken_for_whole() {
+fn sr_002_a_plan_series_that_the_missions_start_interrupts_does_not_count_as_complete() {
     let mut trial = Trial::new();
     trial.vehicle.status = "Ready";
     trial.run_for(2.0);
-    // Asked for anew; the mission starts in the midst of the old series.
+    // Core asks for the plan again; the mission starts in the middle of the old series.
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.cut();
     trial.run_for(2.0);
@@ -75,7 +72,7 @@ fn sr_002_a_plan_whose_series_was_interrupted_by_the_missions_start_is_not_taken
 }
 
 #[test]
-fn a_plan_that_the_vehicle_does_not_follow_is_asked_for_anew() {
+fn core_asks_again_for_a_plan_that_the_vehicle_does_not_follow() {
     let mut trial = Trial::under_way();
     let asked = trial.commands("RMP").len();
     let now = trial.now;
@@ -85,7 +82,7 @@ fn a_plan_that_the_vehicle_does_not_follow_is_asked_for_anew() {
 }
 
 #[test]
-fn sr_002_a_plan_whose_series_ended_in_a_refusal_is_not_taken_for_whole() {
+fn sr_002_a_plan_series_that_ends_in_a_refusal_does_not_count_as_complete() {
     let mut trial = Trial::new();
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.run_for(1.0);
@@ -97,11 +94,11 @@ fn sr_002_a_plan_whose_series_ended_in_a_refusal_is_not_taken_for_whole() {
     trial.run_for(0.5);
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
-    assert!(trial.rejection(1).contains("plan is not known"));
+    assert!(trial.rejection(1).contains("plan unknown"));
 }
 
 #[test]
-fn sr_002_a_plan_of_whose_series_anything_was_lost_is_not_taken_for_whole() {
+fn sr_002_a_plan_series_with_a_lost_sentence_does_not_count_as_complete() {
     let told = |between: &[u8]| {
         let mut trial = Trial::new();
         trial.vehicle.replies.insert("RMP", Reply::Silent);

@@ -1,4 +1,4 @@
-//! What holds though a word came late, damaged or not at all.
+//! What holds although a message came late, damaged or not at all.
 
 use std::time::Duration;
 
@@ -13,9 +13,9 @@ use crate::vehicle::{Reply, name_of};
 
 const SECOND: i64 = 1_000_000_000;
 
-/// SPI 2: the vehicle's clock is disciplined from GPS hits, which move its position too.
+/// GPS hits discipline the vehicle's clock (SPI 2), and also move its position.
 #[test]
-fn sr_021_a_jump_is_seen_though_the_vehicles_clock_is_set_with_it() {
+fn sr_021_a_jump_is_noticed_even_if_the_vehicles_clock_is_set_with_it() {
     for seconds in [30, 120, 4000] {
         let mut trial = Trial::under_way();
         trial.ask(0, [modify_for(1, Duration::from_secs(60))]);
@@ -33,7 +33,7 @@ fn sr_021_a_jump_is_seen_though_the_vehicles_clock_is_set_with_it() {
     }
 }
 
-/// The vehicle has not decided on the insert when the operator holds, and knows none that could be cancelled.
+/// When the operator holds, the vehicle has not decided on the insert and knows none that it could cancel.
 #[test]
 fn sr_015_a_hold_takes_back_an_insert_that_the_vehicle_accepts_after_it_has_refused_the_cancel() {
     let mut trial = Trial::under_way();
@@ -55,7 +55,7 @@ fn sr_015_a_hold_takes_back_an_insert_that_the_vehicle_accepts_after_it_has_refu
     );
 }
 
-/// Neither an insert nor its cancels were answered; then the vehicle hears again.
+/// Neither an insert nor its cancels are answered; then the vehicle hears again.
 fn never_answered(setup: Setup) -> Trial {
     let mut trial = Trial::with_under_way(setup);
     trial.vehicle.replies.insert("RTK", Reply::Silent);
@@ -64,7 +64,7 @@ fn never_answered(setup: Setup) -> Trial {
     trial.run_for(60.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
     trial.vehicle.replies.clear();
-    // It has it all the same.
+    // The vehicle has the insert in spite of that.
     trial.vehicle.inserted.insert(1);
     trial
 }
@@ -79,7 +79,7 @@ fn sr_015_a_hold_takes_back_an_insert_that_was_never_answered() {
 }
 
 #[test]
-fn sr_015_a_plugin_that_fails_leaves_no_insert_behind_that_was_never_answered() {
+fn sr_015_an_unanswered_insert_of_a_failed_plugin_is_taken_back() {
     let failing = PluginSetup {
         on_failure: FailAction::Cancel,
         ..plugin("first")
@@ -94,7 +94,7 @@ fn sr_015_a_plugin_that_fails_leaves_no_insert_behind_that_was_never_answered() 
     assert!(!trial.sent_since("RCN", failed).is_empty(), "no cancel");
 }
 
-/// As above, where the link was lost before the answer.
+/// Like the test before the last one, but the link was lost before the answer.
 #[test]
 fn sr_015_a_hold_takes_back_an_insert_whose_answer_was_lost_with_the_link() {
     let mut trial = Trial::under_way();
@@ -139,7 +139,7 @@ fn bytes(body: &str) -> Vec<u8> {
 }
 
 #[test]
-fn sr_001_control_that_the_vehicle_takes_in_words_that_cannot_be_read_is_not_ours() {
+fn sr_001_an_unreadable_message_about_control_takes_control_away() {
     for body in [
         "BFCTL,221325.000,",
         "BFCTL,221325.000",
@@ -155,9 +155,9 @@ fn sr_001_control_that_the_vehicle_takes_in_words_that_cannot_be_read_is_not_our
     }
 }
 
-/// Who persists the hold syncs the disk: the vehicle's helm does not wait for that.
+/// Persisting the hold syncs the disk, and the vehicle's helm must not wait for that.
 #[test]
-fn sr_003_a_holds_bpemb_comes_before_it_is_kept() {
+fn sr_003_the_bpemb_of_a_hold_is_sent_before_the_hold_is_persisted() {
     let mut trial = Trial::steering();
     let before = trial.seen.len();
     trial.operator(Operator::Hold);
@@ -176,9 +176,9 @@ fn begun(trial: &mut Trial, identifier: u32) {
     trial.run_for(0.3);
 }
 
-/// What was damaged may have been our insert's end and the begin of another payload's.
+/// The damaged sentences may have been the end of our insert and the begin of another payload's.
 #[test]
-fn sr_012_the_current_behavior_is_not_cancelled_where_it_may_be_anothers() {
+fn sr_012_the_current_behavior_is_not_cancelled_if_it_may_be_another_payloads() {
     let mut trial = Trial::under_way();
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
@@ -192,7 +192,7 @@ fn sr_012_the_current_behavior_is_not_cancelled_where_it_may_be_anothers() {
 }
 
 #[test]
-fn sr_010_an_insert_of_another_payload_is_not_interrupted_where_its_begin_was_damaged() {
+fn sr_010_another_payloads_insert_is_not_interrupted_even_if_its_begin_was_damaged() {
     let mut trial = Trial::under_way();
     trial.hear_bytes(b"$BFMBS,221325.000,,,77,trackline*00\r\n");
     trial.run_for(10.0);
@@ -202,7 +202,7 @@ fn sr_010_an_insert_of_another_payload_is_not_interrupted_where_its_begin_was_da
 }
 
 #[test]
-fn sr_010_an_insert_of_another_payload_is_not_interrupted_over_a_lost_link() {
+fn sr_010_another_payloads_insert_is_not_interrupted_after_a_link_loss() {
     let mut trial = Trial::under_way();
     begun(&mut trial, 77);
     trial.ask(0, [interrupting(1)]);

@@ -1,7 +1,7 @@
 //! Trials of core against a scripted vehicle, a link that can fail and scripted plugins, in virtual time.
 //!
-//! Tests that hold a safety requirement bear its number.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+//! The name of a test of a safety requirement has the requirement's number.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 #![expect(clippy::wildcard_enum_match_arm, reason = "a test looks for one thing among many")]
 
 mod acoustic;

@@ -39,7 +39,7 @@ fn sr_015_a_hold_ends_the_lease_cancels_our_inserts_and_beats_every_plugin_until
 }
 
 #[test]
-fn sr_015_a_hold_from_before_stands_after_a_restart() {
+fn sr_015_a_hold_survives_a_restart() {
     let setup = Setup::default();
     let start = Start {
         held: true,
@@ -53,7 +53,7 @@ fn sr_015_a_hold_from_before_stands_after_a_restart() {
 }
 
 #[test]
-fn sr_015_a_hold_while_the_link_is_lost_cancels_our_inserts_when_it_is_back() {
+fn sr_015_a_hold_during_a_link_loss_cancels_our_inserts_when_the_link_is_back() {
     let mut trial = Trial::under_way();
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
@@ -75,7 +75,7 @@ fn a_stop_ends_the_lease_and_closes_the_logs() {
     assert!(trial.sent_since("RMB", stopped).is_empty());
 }
 
-/// Who persists a hold learns of it by this.
+/// The operator's acts as core reports them. The driver that persists a hold learns of it from these.
 fn acts(trial: &Trial) -> Vec<Operator> {
     let act = |(_, note)| match note {
         Note::Operator { act } => Some(act),
@@ -104,7 +104,7 @@ fn texts(hold: Option<&str>, release: Option<&str>) -> Setup {
 }
 
 #[test]
-fn sr_015_a_mission_command_holds_at_once_and_is_latched_until_its_counterpart_releases() {
+fn sr_015_a_mission_command_holds_at_once_and_until_its_counterpart_releases() {
     let mut trial = Trial::with_under_way(texts(Some("backseat hold"), Some("backseat go")));
     trial.ask(0, [Request::Modify(modify(1)), good_line(2)]);
     trial.run_for(0.5);
@@ -117,7 +117,7 @@ fn sr_015_a_mission_command_holds_at_once_and_is_latched_until_its_counterpart_r
     assert_eq!(trial.sent_since("EMB", held), [held]);
     assert_eq!(trial.sent_since("RCN", held), [held]);
     assert_eq!(acts(&trial), [Operator::Hold]);
-    // It outlives the link, control that comes anew, and every plugin's wish.
+    // The hold outlives the link, a new grant of control, and every plugin's request.
     trial.script(0, |_| {
         (
             std::time::Duration::from_millis(1),
@@ -134,7 +134,7 @@ fn sr_015_a_mission_command_holds_at_once_and_is_latched_until_its_counterpart_r
 }
 
 #[test]
-fn sr_015_a_text_releases_only_where_the_operator_named_one() {
+fn sr_015_a_text_releases_the_hold_only_if_the_operator_configured_one() {
     let mut trial = Trial::with_under_way(texts(Some("hold"), None));
     commanded(&mut trial, "hold");
     for text in ["release", "go", "", "hold"] {
@@ -143,10 +143,10 @@ fn sr_015_a_text_releases_only_where_the_operator_named_one() {
     trial.run_for(5.0);
     assert!(!trial.core.has_control());
     assert!(!acts(&trial).contains(&Operator::Release));
-    // Whoever else may release it does.
+    // The operator can still release the hold in another way.
     trial.operator(Operator::Release);
     assert!(trial.core.has_control());
-    // Without texts no text is one.
+    // If no texts are configured, no text acts.
     let mut trial = Trial::steering();
     for text in ["hold", ""] {
         commanded(&mut trial, text);
@@ -170,5 +170,5 @@ fn sr_015_a_hold_by_text_beats_a_grant_of_control_by_the_same_text() {
     commanded(&mut trial, "payload");
     assert!(!trial.core.has_control());
     commanded(&mut trial, "release");
-    assert!(trial.core.has_control(), "it was handed over, and held");
+    assert!(trial.core.has_control(), "control was granted during the hold");
 }

@@ -1,4 +1,4 @@
-//! What only the operator may order, by word or by a policy: cancels, abort and kill, an empty mission.
+//! What only the operator may order, directly or by a policy: cancels, abort and kill, an empty mission.
 
 use backseat_core::plugin::RequestState;
 use backseat_core::{Note, Operator, Order, Owner, Policy, RequestKind, Settings, Start};

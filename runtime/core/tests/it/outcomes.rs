@@ -1,10 +1,10 @@
-//! The page on outcomes tells of every rule, cause and end of the code.
+//! The page on outcomes lists every rule, figure, state and end of the code.
 
 use backseat_core::ended::EndCause;
 use backseat_core::refusal::{Figure, Reason, Rule, Uncontrolled};
 
 #[test]
-fn the_page_tells_of_every_rule_figure_state_and_end() {
+fn the_page_lists_every_rule_figure_state_and_end() {
     let page = include_str!("../../../docs/outcomes.md");
     let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
     let mut expected: Vec<String> = Vec::new();
@@ -35,6 +35,6 @@ fn the_page_tells_of_every_rule_figure_state_and_end() {
             "no row begins with: {start}"
         );
     }
-    // Beside them: five ends and the fifteen kinds of an end.
+    // Beside them the page has rows for five ends and for the fifteen kinds of an end.
     assert_eq!(rows.len(), expected.len() + 5 + 15);
 }

@@ -36,7 +36,7 @@ fn pauses(times: &[Timestamp]) -> Vec<f64> {
 }
 
 #[test]
-fn steps_go_with_navigation_at_the_plugins_period() {
+fn steps_come_with_navigation_at_the_plugins_period() {
     let mut trial = Trial::with_under_way(setup(|setup| {
         setup.description.step_period = Duration::from_millis(500)
     }));
@@ -54,7 +54,7 @@ fn steps_go_with_navigation_at_the_plugins_period() {
 }
 
 #[test]
-fn without_navigation_steps_go_on_and_have_none() {
+fn without_navigation_the_steps_continue_and_contain_none() {
     let mut trial = Trial::under_way();
     trial.vehicle.navigates = false;
     trial.run_for(1.5);
@@ -70,7 +70,7 @@ fn without_navigation_steps_go_on_and_have_none() {
 }
 
 #[test]
-fn sr_006_one_step_is_in_flight_and_the_next_has_the_newest_navigation_and_all_events_in_order() {
+fn sr_006_only_one_step_is_in_flight_and_the_next_has_the_newest_navigation_and_all_events_in_order() {
     let mut trial = Trial::under_way();
     trial.script(0, |_| (Duration::from_millis(730), Ok(Vec::new())));
     trial.run_for(1.0);
@@ -161,7 +161,7 @@ fn sr_006_a_failing_plugin_leaves_its_siblings_cadence_and_lease_untouched() {
 }
 
 #[test]
-fn sr_006_a_timer_that_expires_during_a_long_step_is_no_late_wake_up() {
+fn sr_006_a_timer_that_expires_during_a_long_step_is_not_a_late_wake_up() {
     let mut trial = Trial::with_under_way(setup(|setup| setup.description.step_period = Duration::from_secs(5)));
     let timer = |id, after| Request::Timer { id, after };
     let mut first = true;
@@ -195,7 +195,7 @@ fn sr_006_a_timer_that_expires_during_a_long_step_is_no_late_wake_up() {
 }
 
 #[test]
-fn sr_006_timers_of_no_length_do_not_make_a_plugin_run_all_the_time() {
+fn sr_006_timers_of_zero_length_do_not_make_a_plugin_run_all_the_time() {
     let mut trial = Trial::under_way();
     trial.script(0, |_| {
         (
@@ -213,7 +213,7 @@ fn sr_006_timers_of_no_length_do_not_make_a_plugin_run_all_the_time() {
 }
 
 #[test]
-fn timers_wake_a_plugin_when_they_say() {
+fn timers_wake_a_plugin_on_time() {
     let mut trial = Trial::with_under_way(setup(|setup| setup.description.step_period = Duration::from_secs(60)));
     trial.run_for(60.0);
     let mut asked = false;
@@ -240,7 +240,7 @@ fn timers_wake_a_plugin_when_they_say() {
 }
 
 #[test]
-fn sr_006_more_events_than_the_queue_holds_is_a_failure_of_the_plugin() {
+fn sr_006_an_overflow_of_its_event_queue_is_a_failure_of_the_plugin() {
     let mut trial = Trial::under_way();
     trial.script(0, |_| (Duration::from_secs(3), Ok(vec![Request::Modify(modify(1))])));
     trial.run_for(0.5);
@@ -266,12 +266,12 @@ fn sr_006_more_events_than_the_queue_holds_is_a_failure_of_the_plugin() {
         .collect();
     assert_eq!(faults, [FaultKind::Overflow]);
     trial.run_for(1.5);
-    assert!(trial.sent("RMB").is_empty(), "what it returns after that is not wanted");
-    assert!(trial.events(1).len() > 300, "its sibling has them all");
+    assert!(trial.sent("RMB").is_empty(), "core ignores what it returns after that");
+    assert!(trial.events(1).len() > 300, "its sibling receives them all");
 }
 
 #[test]
-fn sr_003_a_plugin_that_fails_loses_its_lease_and_comes_back_with_what_is_open() {
+fn sr_003_a_plugin_that_fails_loses_its_lease_and_restarts_with_its_open_requests() {
     let mut trial = Trial::steering();
     trial.ask(0, [good_line(2)]);
     trial.run_for(0.5);
@@ -295,26 +295,26 @@ fn sr_003_a_plugin_that_fails_loses_its_lease_and_comes_back_with_what_is_open()
         }
     );
     assert_eq!(restored.events[1], Event::Control(true));
-    assert!(trial.commands("RCN").is_empty(), "its inserts fly");
+    assert!(trial.commands("RCN").is_empty(), "its inserts go on");
     trial.ask(0, [Request::Modify(modify(3))]);
     trial.run_for(0.5);
     assert!(trial.core.is_steering());
 }
 
 #[test]
-fn a_plugin_that_declared_so_has_its_inserts_cancelled_when_it_fails() {
+fn a_plugins_inserts_are_cancelled_when_it_fails_if_its_fail_action_says_so() {
     let mut trial = Trial::with_under_way(setup(|setup| setup.on_failure = FailAction::Cancel));
     trial.ask(0, [good_line(1), good_line(2)]);
     trial.ask(1, [good_line(1)]);
     trial.run_for(0.5);
     trial.fail(0, FaultKind::Trap);
     trial.run_for(1.0);
-    assert_eq!(trial.commands("RCN").len(), 2, "its own alone");
+    assert_eq!(trial.commands("RCN").len(), 2, "only its own inserts");
     assert_eq!(shorts(&trial.states(2)).last(), Some(&"cancelled"));
 }
 
 #[test]
-fn a_plugin_that_cannot_be_restarted_is_tried_again_with_growing_pauses_and_then_quarantined() {
+fn a_plugin_that_cannot_be_restarted_is_retried_with_growing_pauses_and_then_quarantined() {
     for kind in [FaultKind::Start, FaultKind::Error, FaultKind::Trap] {
         let settings = Settings {
             status_failed_when: vec![StatusCondition::PluginQuarantined],
@@ -346,7 +346,7 @@ fn a_plugin_that_cannot_be_restarted_is_tried_again_with_growing_pauses_and_then
 }
 
 #[test]
-fn sr_013_figures_that_are_none_are_rejected_one_by_one() {
+fn sr_013_invalid_figures_are_rejected_one_by_one() {
     let mut trial = Trial::under_way();
     let place = |latitude_deg, longitude_deg| PositionRequest {
         latitude_deg,
@@ -426,12 +426,12 @@ fn sr_013_figures_that_are_none_are_rejected_one_by_one() {
 }
 
 #[test]
-fn sr_019_requests_are_limited_in_their_rate_each_plugin_for_itself() {
+fn sr_019_each_plugins_requests_have_their_own_rate_limit() {
     let mut trial = Trial::under_way();
     trial.ask(0, (0..100).map(|number| turn(number, number as f64)));
     trial.ask(1, [good_line(500)]);
     trial.run_for(0.5);
-    // The log has a count of them, the plugin is told of each.
+    // The log has only a count of these; the plugin learns each one.
     let over = |event: &&Event| match event {
         Event::Outcome {
             state: RequestState::Rejected(refusal),
@@ -461,7 +461,7 @@ fn sr_006_ten_thousand_requests_in_a_step_hurt_nobody_else() {
         })
     };
     trial.ask(0, (1000..11_000).map(nonsense));
-    // The last is a good one: a plugin that has failed by then steers no longer.
+    // The last request is a good one, but a plugin that has failed by then no longer steers.
     trial.ask(0, [turn(20_000, 45.0)]);
     trial.run_for(5.0);
     assert!(trial.lease_ends().is_empty(), "{:?}", trial.lease_ends());
@@ -472,7 +472,7 @@ fn sr_006_ten_thousand_requests_in_a_step_hurt_nobody_else() {
 }
 
 #[test]
-fn sr_006_a_flood_while_it_steers_is_one_failure() {
+fn sr_006_a_flood_from_the_steering_plugin_counts_as_one_failure() {
     let mut trial = Trial::steering();
     let nonsense = |tag| {
         Request::Trackcircle(TrackcircleRequest {
@@ -487,7 +487,7 @@ fn sr_006_a_flood_while_it_steers_is_one_failure() {
 }
 
 #[test]
-fn what_the_mission_does_not_grant_is_rejected() {
+fn requests_without_a_grant_are_rejected() {
     let mut trial = Trial::with_under_way(setup(|setup| setup.grants = vec![Grant::Insert]));
     trial.ask(
         0,
@@ -509,7 +509,7 @@ fn what_the_mission_does_not_grant_is_rejected() {
 }
 
 #[test]
-fn messages_are_cleaned_and_in_lower_case_and_one_a_second() {
+fn messages_are_cleaned_written_in_lower_case_and_limited_to_one_a_second() {
     let mut trial = Trial::under_way();
     trial.ask(0, [Request::Message("$BPRMB,1*2\r\n é end".to_owned())]);
     trial.run_for(0.5);
@@ -535,7 +535,7 @@ fn messages_are_cleaned_and_in_lower_case_and_one_a_second() {
 }
 
 #[test]
-fn a_message_does_not_cost_the_modify_beside_it() {
+fn a_message_does_not_prevent_a_modify_in_the_same_step() {
     let mut trial = Trial::under_way();
     trial.ask(0, [Request::Message("turning".to_owned()), Request::Modify(modify(1))]);
     trial.run_for(0.5);

@@ -17,14 +17,14 @@ fn end(trial: &mut Trial, identifier: u32) {
     trial.run_for(0.3);
 }
 
-/// The plan goes on.
+/// The vehicle goes on with its plan.
 fn goes_on(trial: &mut Trial) {
     let now = trial.now;
     trial.vehicle.begin(now, Some(1), None);
     trial.run_for(0.3);
 }
 
-/// The identifiers of the lines that were sent, in their order.
+/// The identifiers of the tracklines that were sent, in order.
 fn identifiers(trial: &Trial) -> Vec<u32> {
     let of = |(_, message): &(_, ToVehicle)| match message {
         ToVehicle::Trackline(line) => Some(line.identifier.get()),
@@ -33,7 +33,7 @@ fn identifiers(trial: &Trial) -> Vec<u32> {
     trial.commands("RTK").iter().filter_map(of).collect()
 }
 
-/// The identifiers of the inserts that were cancelled, in their order.
+/// The identifiers of the inserts that were cancelled, in order.
 fn cancelled(trial: &Trial) -> Vec<u32> {
     let of = |(_, message): &(_, ToVehicle)| match message {
         ToVehicle::CancelBehavior(cancel) => Some(cancel.identifier.get()),
@@ -43,7 +43,7 @@ fn cancelled(trial: &Trial) -> Vec<u32> {
 }
 
 #[test]
-fn sr_009_sr_019_an_interrupted_insert_stays_open_until_it_is_known_whether_it_is_taken_up_again() {
+fn sr_009_sr_019_an_interrupted_insert_stays_open_until_core_knows_whether_it_is_resumed() {
     for resumed in [true, false] {
         let mut trial = Trial::under_way();
         trial.ask(0, [good_line(1)]);
@@ -82,7 +82,7 @@ fn sr_009_sr_019_an_interrupted_insert_stays_open_until_it_is_known_whether_it_i
 }
 
 #[test]
-fn sr_010_an_insert_that_was_refused_and_is_flown_all_the_same_is_not_interrupted() {
+fn sr_010_a_refused_insert_that_is_flown_anyway_is_not_interrupted() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Refuse);
     trial.ask(0, [interrupting(1)]);
@@ -93,7 +93,7 @@ fn sr_010_an_insert_that_was_refused_and_is_flown_all_the_same_is_not_interrupte
     trial.ask(0, [interrupting(2)]);
     trial.run_for(0.5);
     assert!(
-        trial.rejection(2).contains("may be one that none may interrupt"),
+        trial.rejection(2).contains("may be one that no other may interrupt"),
         "{}",
         trial.rejection(2)
     );
@@ -104,7 +104,7 @@ fn sr_010_an_insert_that_was_refused_and_is_flown_all_the_same_is_not_interrupte
     assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
 }
 
-/// A process that follows one which has used the identifiers 1 to 9 and sent so many inserts.
+/// A process that follows one that used the identifiers 1 to 9 and sent this many inserts.
 fn successor(inserts: u32, limits: impl FnOnce(&mut Limits)) -> Trial {
     let mut setup = Setup::default().after(inserts, 0);
     limits(&mut setup.limits);
@@ -112,7 +112,7 @@ fn successor(inserts: u32, limits: impl FnOnce(&mut Limits)) -> Trial {
 }
 
 #[test]
-fn sr_019_an_insert_of_a_killed_process_that_is_flown_counts_though_the_plan_does_not_name_it() {
+fn sr_019_a_flown_insert_of_a_killed_process_counts_although_the_plan_does_not_name_it() {
     let mut trial = successor(9, |limits| limits.inserts_open_max = 1);
     trial.run_for(2.0);
     let now = trial.now;
@@ -121,7 +121,7 @@ fn sr_019_an_insert_of_a_killed_process_that_is_flown_counts_though_the_plan_doe
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
     assert!(trial.rejection(1).starts_with("cap: "), "{:?}", trial.states(1));
-    // Nor is it over because something was damaged.
+    // A damaged sentence does not end it either.
     trial.hear_bytes(b"$BFMBE,221325.000,,,9,trackline*00\r\n");
     trial.ask(0, [good_line(3)]);
     trial.run_for(0.5);
@@ -136,11 +136,11 @@ fn sr_019_an_insert_of_a_killed_process_that_is_flown_counts_though_the_plan_doe
 }
 
 #[test]
-fn sr_002_what_a_killed_process_may_have_sent_to_the_surface_nobody_modifies() {
+fn sr_002_a_possible_gps_hit_of_a_killed_process_is_not_modified() {
     let successor = |gps_hits| {
         let setup = granted(&[Grant::Modify, Grant::Insert, Grant::Surface], &[]);
         let mut trial = Trial::with(setup.after(3, gps_hits));
-        // What is flown it says as it begins, and not to who asks later.
+        // The vehicle says what it flies only as that begins, and not to a client that connects later.
         trial.vehicle.replays = false;
         trial.run_for(1.0);
         trial
@@ -169,21 +169,21 @@ fn sr_002_what_a_killed_process_may_have_sent_to_the_surface_nobody_modifies() {
         })]);
         trial.run_for(0.5);
     };
-    // It has sent none, for none was reserved.
+    // The killed process sent no GPS hit, because it had reserved none.
     assert!(!refused(&mut successor(0), 1));
     let mut trial = successor(2);
-    assert!(refused(&mut trial, 1), "one may be flown");
+    assert!(refused(&mut trial, 1), "a GPS hit may be flown");
     begins(&mut trial, 4, "trackline");
     assert!(!refused(&mut trial, 2), "a line is flown");
     begins(&mut trial, 5, "gps");
-    assert!(refused(&mut trial, 3), "what it calls so may be one");
-    // Over a lost link another may have begun.
+    assert!(refused(&mut trial, 3), "a behavior of the kind `gps` may be a GPS hit");
+    // While the link was lost, another insert may have begun.
     let mut trial = successor(2);
     begins(&mut trial, 4, "trackline");
     trial.cut();
     trial.run_for(20.0);
     assert!(refused(&mut trial, 4));
-    // But none is left where the plan goes on.
+    // When the plan goes on, no GPS hit is left.
     let now = trial.now;
     trial.vehicle.begin(now, Some(1), None);
     trial.run_for(0.5);
@@ -194,7 +194,7 @@ fn sr_002_what_a_killed_process_may_have_sent_to_the_surface_nobody_modifies() {
 }
 
 #[test]
-fn sr_019_what_may_be_sent_to_the_surface_is_reserved_where_something_may() {
+fn sr_019_gps_hits_are_reserved_only_if_a_plugin_may_ask_for_them() {
     let reserved = |grants: &[Grant]| {
         let setup = granted(grants, &[]);
         let start = Start {
@@ -214,7 +214,7 @@ fn sr_019_what_may_be_sent_to_the_surface_is_reserved_where_something_may() {
 }
 
 #[test]
-fn sr_019_the_inserts_of_a_killed_process_count_among_those_of_the_mission() {
+fn sr_019_the_inserts_of_a_killed_process_count_under_the_cap_of_the_mission() {
     let mut trial = successor(9, |limits| limits.inserts_total_max = 10);
     trial.run_for(2.0);
     for tag in [1, 2] {
@@ -227,7 +227,7 @@ fn sr_019_the_inserts_of_a_killed_process_count_among_those_of_the_mission() {
         "{}",
         trial.rejection(2)
     );
-    // What may be sent is on disk before it is.
+    // The number of inserts is on disk before they are sent.
     let reserved = trial.seen.iter().filter_map(|(_, seen)| match seen {
         Seen::Reserve(reservation) => Some(reservation.inserts),
         _ => None,
@@ -243,7 +243,7 @@ fn sr_010_nothing_interrupts_while_an_insert_of_a_killed_process_may_be_flown() 
     trial.ask(0, [interrupting(1)]);
     trial.run_for(0.5);
     assert!(trial.rejection(1).contains("a previous run"), "{}", trial.rejection(1));
-    // Once a behavior begins it is known what is flown.
+    // Once a behavior begins, core knows what is flown.
     begin(&mut trial, 7);
     trial.ask(0, [interrupting(2)]);
     trial.run_for(0.5);
@@ -256,18 +256,18 @@ fn sr_010_nothing_interrupts_while_an_insert_of_a_killed_process_may_be_flown() 
 }
 
 #[test]
-fn sr_015_the_operators_hold_takes_back_what_a_killed_process_left_in_the_plan() {
+fn sr_015_a_hold_takes_back_the_inserts_that_a_killed_process_left_in_the_plan() {
     let mut trial = successor(2, |_| {});
     trial.vehicle.inserted.extend([7, 40]);
     trial.run_for(2.0);
     trial.feed(Input::Operator(Operator::Hold));
     trial.run_for(0.5);
-    // 40 is another payload's.
+    // Insert 40 is another payload's.
     assert_eq!(cancelled(&trial), [7]);
 }
 
 #[test]
-fn sr_015_a_successor_takes_back_what_is_left_though_the_plan_does_not_come_again() {
+fn sr_015_a_hold_takes_back_an_insert_of_a_killed_process_even_if_the_plan_does_not_come_again() {
     let mut trial = successor(2, |_| {});
     trial.vehicle.inserted.extend([7]);
     trial.run_for(2.0);
@@ -277,7 +277,7 @@ fn sr_015_a_successor_takes_back_what_is_left_though_the_plan_does_not_come_agai
     trial.run_for(2.0);
     assert!(trial.is_connected());
     assert_eq!(cancelled(&trial), [7]);
-    // What has ended meanwhile is not.
+    // An insert that has begun is not taken back.
     let mut trial = successor(2, |_| {});
     trial.vehicle.inserted.extend([7]);
     trial.run_for(2.0);
@@ -290,7 +290,7 @@ fn sr_015_a_successor_takes_back_what_is_left_though_the_plan_does_not_come_agai
 }
 
 #[test]
-fn sr_015_under_the_hold_what_is_left_is_taken_back_as_soon_as_the_plan_names_it() {
+fn sr_015_during_a_hold_an_insert_of_a_killed_process_is_taken_back_as_soon_as_the_plan_names_it() {
     let mut trial = successor(2, |_| {});
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.run_for(2.0);
@@ -304,6 +304,6 @@ fn sr_015_under_the_hold_what_is_left_is_taken_back_as_soon_as_the_plan_names_it
         }
         trial.run_for(0.2);
     }
-    // 40 is another payload's, and the plan is not whole.
+    // Insert 40 is another payload's. The plan is not complete yet.
     assert_eq!(cancelled(&trial), [7]);
 }

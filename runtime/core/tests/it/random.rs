@@ -1,5 +1,5 @@
-//! Random vehicles, links, plugins and operators. The trial's judge holds every sentence against what the vehicle has
-//! said; here is what else must hold however the run went.
+//! Random vehicles, links, plugins and operators. The trial's judge compares every sentence with what the vehicle has
+//! said. The tests here check what else must hold in every run.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -36,7 +36,7 @@ enum Act {
     Status(&'static str),
     Begin(Option<u32>, Option<u32>),
     End(Option<u32>, Option<u32>),
-    /// An acoustic window of so many seconds.
+    /// An acoustic window of this many seconds.
     Window(u64),
     Replies(&'static str, Reply),
     Navigates(bool),
@@ -50,7 +50,7 @@ enum Act {
     Sleep(u64),
     ReadMax(usize),
     Ask(usize, Vec<Request>),
-    /// An external source says this.
+    /// An external source sends this line.
     Drive(String),
     Fail(usize, FaultKind),
     Hold,
@@ -253,7 +253,7 @@ fn sentence() -> BoxedStrategy<FromVehicle> {
     .boxed()
 }
 
-/// A line of an external source, at the time of the dive's start or at none.
+/// A line of an external source. A measurement in it is from the minute in which the dive starts.
 fn drive() -> BoxedStrategy<Act> {
     let lines = prop_oneof![
         figure(-60.0..60.0).prop_map(|offset| format!("BPRBO,081025.987,{offset}")),
@@ -313,7 +313,7 @@ fn act() -> BoxedStrategy<Act> {
     .boxed()
 }
 
-/// What only the operator may order.
+/// The commands that only the operator may order.
 const ORDERED: [&str; 6] = ["ABT", "KIL", "SEM", "RCA", "RCB", "RCE"];
 
 fn order() -> BoxedStrategy<Order> {
@@ -346,7 +346,7 @@ fn plugin(name: &str) -> PluginSetup {
     setup
 }
 
-/// An external source that may send everything, often.
+/// An external source that may send every sentence, at a high rate.
 fn every_external() -> ExternalSetup {
     ExternalSetup {
         name: "pod".to_owned(),
@@ -374,7 +374,7 @@ fn start_with(policies: Vec<Policy>) -> Trial {
     let mut second = plugin("second");
     second.on_failure = FailAction::Cancel;
     let mut limits = course::limits();
-    // Over before the run is.
+    // Short enough that a silence is over before the run is.
     limits.silent_term_s = 20.0;
     let mut trial = Trial::with(Setup {
         fence: course::harbour(),
@@ -447,7 +447,7 @@ fn kind_of(name: &str) -> RequestKind {
     }
 }
 
-/// Each request comes to one end at most, and the counts are those of what was told.
+/// Checks that each request ends at most once, and that the counts agree with the log.
 pub(crate) fn ledger_is_consistent(trial: &Trial) {
     let mut last: BTreeMap<u64, &'static str> = BTreeMap::new();
     let (mut ended, mut rejected, mut sent) = (0, 0, 0);
@@ -472,7 +472,8 @@ pub(crate) fn ledger_is_consistent(trial: &Trial) {
         }
     }
     let counts = trial.core.request_counts();
-    // What was over a rate is counted in the ledger, and told of in numbers: each beat tells those since the last.
+    // The ledger counts the requests over a rate, and the log has only numbers of them: each beat logs the number since
+    // the last beat.
     let told: u64 = trial
         .notes()
         .iter()
@@ -492,7 +493,7 @@ pub(crate) fn ledger_is_consistent(trial: &Trial) {
     assert_eq!(counts.proposed, ended + uncounted + trial.core.open_requests() as u64);
 }
 
-/// All faults are over: within a minute control is back, and when the mission is over nothing is open.
+/// Ends all faults. Checks that control is back within a minute, and that no request is open when the mission is over.
 pub(crate) fn it_recovers(trial: &mut Trial) {
     trial.vehicle.replies.clear();
     (trial.vehicle.navigates, trial.vehicle.frozen, trial.vehicle.replays) = (true, None, true);
@@ -504,7 +505,7 @@ pub(crate) fn it_recovers(trial: &mut Trial) {
     trial.run_for(5.0);
     trial.cut();
     trial.run_for(50.0);
-    // A policy may have held while navigation was gone.
+    // A policy may have ordered a hold while navigation was gone.
     trial.operator(Operator::Release);
     trial.run_for(5.0);
     assert!(
@@ -538,7 +539,7 @@ proptest! {
     }
 
     #[test]
-    fn sr_009_sr_012_whatever_is_ordered_leaves_only_by_the_order_and_every_order_has_one_end(
+    fn sr_009_sr_012_what_only_the_operator_may_order_leaves_only_by_order_and_every_order_has_one_end(
         acts in vec(prop_oneof![4 => act(), 1 => order().prop_map(Act::Order)], 1..60),
         stale in (1.0..5.0, order()),
         quarantined in order(),

@@ -34,7 +34,7 @@ fn setup(recovery: Recovery) -> Setup {
     }
 }
 
-/// What recovery has said, with when.
+/// What recovery has reported, and when.
 fn said(trial: &Trial) -> Vec<(Timestamp, String)> {
     let recovery = |(at, note)| match note {
         Note::Recovery { text } => Some((at, text)),
@@ -47,7 +47,7 @@ fn said_of(trial: &Trial, what: &str) -> Timestamp {
     let said = said(trial);
     let mut named = said.iter().filter(|(_, text)| text.contains(what));
     let first = named.next().unwrap_or_else(|| panic!("{what}: {said:#?}"));
-    assert_eq!(named.next(), None, "{what} is told twice");
+    assert_eq!(named.next(), None, "{what} is reported twice");
     first.0
 }
 
@@ -65,7 +65,7 @@ fn outside_with_inserts(setup: Setup) -> Trial {
 }
 
 #[test]
-fn sr_020_the_ladder_is_climbed_step_by_step_each_after_its_time_and_told_once() {
+fn sr_020_recovery_takes_each_step_at_its_time_and_reports_it_once() {
     let mut trial = outside_with_inserts(setup(Recovery {
         abort_after_s: Some(15.0),
         ..ladder()
@@ -77,7 +77,7 @@ fn sr_020_the_ladder_is_climbed_step_by_step_each_after_its_time_and_told_once()
     for (what, seconds) in [
         ("leases end", 1.0),
         ("inserts are cancelled", 3.0),
-        ("the insert that is flown goes on", 3.0),
+        ("the current insert continues", 3.0),
         ("the topside is told", 6.0),
         ("the mission is aborted", 15.0),
     ] {
@@ -104,8 +104,8 @@ fn sr_020_the_ladder_is_climbed_step_by_step_each_after_its_time_and_told_once()
             other => panic!("{other:?}"),
         })
         .collect();
-    // The vehicle's log at once; the topside once control is back, ten seconds after the jump. By how much and where: the
-    // box ends some 2000 m north, and navigation says some 2100.
+    // The vehicle's log has it at once; the topside has it once control is back, ten seconds after the jump. Both say
+    // by how much and where: the box ends some 2000 m north, and navigation says some 2100 m.
     assert!(
         told.len() == 2 && told[1].starts_with("outside the fence by 1"),
         "{told:?}"
@@ -117,7 +117,7 @@ fn sr_020_the_ladder_is_climbed_step_by_step_each_after_its_time_and_told_once()
 }
 
 #[test]
-fn sr_012_without_the_operators_word_the_ladder_aborts_nothing_and_ends_no_flown_insert() {
+fn sr_012_unless_configured_recovery_aborts_nothing_and_ends_no_flown_insert() {
     let mut trial = outside_with_inserts(setup(ladder()));
     trial.run_for(60.0);
     said_of(&trial, "the topside is told");
@@ -127,7 +127,7 @@ fn sr_012_without_the_operators_word_the_ladder_aborts_nothing_and_ends_no_flown
 }
 
 #[test]
-fn sr_020_the_flown_insert_is_ended_where_the_table_says_so_and_its_way_holds() {
+fn sr_020_a_configured_end_of_the_flown_insert_is_refused_without_a_good_way_on() {
     let allowed = || {
         setup(Recovery {
             cancel_current: true,
@@ -136,7 +136,7 @@ fn sr_020_the_flown_insert_is_ended_where_the_table_says_so_and_its_way_holds() 
     };
     let mut trial = outside_with_inserts(allowed());
     trial.run_for(20.0);
-    // From where the vehicle is said to be, outside, no way holds.
+    // Navigation says that the vehicle is outside, and no way from there is good.
     assert!(trial.commands("RCB").is_empty());
     let refused = trial.notes().into_iter().any(|(_, note)| {
         matches!(note, Note::Request(transition) if transition.kind == RequestKind::CancelCurrent
@@ -146,7 +146,7 @@ fn sr_020_the_flown_insert_is_ended_where_the_table_says_so_and_its_way_holds() 
 }
 
 #[test]
-fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_is_left_and_the_next_step_taken_at_once() {
+fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_stays_and_the_next_step_follows_at_once() {
     let mut trial = Trial::with(setup(ladder()));
     trial.vehicle.moved = Some((3, EastNorth::new(-500.0, -1000.0)));
     trial.run_for(2.0);
@@ -159,8 +159,8 @@ fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_is_left_and_the_next_st
         ],
     );
     trial.run_for(0.5);
-    // The front seat goes on to its next waypoint meanwhile: from the second insert's end the wreck is in the way to what
-    // comes after that.
+    // The front seat goes on to its next waypoint. From the end of the second insert, the wreck bars the way to what
+    // follows that waypoint.
     let now = trial.now;
     trial.vehicle.begin(now, Some(2), None);
     trial.run_for(0.2);
@@ -168,14 +168,18 @@ fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_is_left_and_the_next_st
     trial.vehicle.begin(now, None, Some(1));
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(21)), ["sent", "accepted", "started"]);
-    // Outside, where navigation does not jump: too near to the bottom.
+    // The vehicle is now outside without a jump of navigation: it is too near to the seabed.
     trial.vehicle.altitude_m = Some(1.0);
     trial.run_for(15.0);
     assert_eq!(shorts(&trial.states(22)), ["sent", "accepted", "cancelled"]);
-    assert_eq!(shorts(&trial.states(23)), ["sent", "accepted"], "its way is worse");
+    assert_eq!(
+        shorts(&trial.states(23)),
+        ["sent", "accepted"],
+        "the way without it would be worse"
+    );
     assert_eq!(trial.commands("RCN").len(), 1);
     let step = said_of(&trial, "inserts are cancelled");
-    assert_eq!(said_of(&trial, "a way that would remain is worse"), step);
+    assert_eq!(said_of(&trial, "the way without it is refused"), step);
     assert_eq!(said_of(&trial, "the topside is told"), step);
 }
 
@@ -185,7 +189,7 @@ fn no_request_is_accepted_until_the_vehicle_is_well_inside_for_long_enough() {
     trial.run_for(1.5);
     trial.ask(1, [good_line(7)]);
     trial.run_for(0.3);
-    // The jump of navigation has taken control: the plugin is told of that first.
+    // The jump of navigation has taken control, and the refusal names that first.
     assert!(trial.rejection(7).starts_with("control"), "{}", trial.rejection(7));
     trial.run_for(12.0);
     trial.ask(1, [good_line(8), Request::Modify(modify(9))]);
@@ -197,8 +201,8 @@ fn no_request_is_accepted_until_the_vehicle_is_well_inside_for_long_enough() {
             trial.rejection(tag)
         );
     }
-    // Back inside, by less than it takes: the box ends some 1999 m north, and 10 m of margin and 5 m of navigation's own
-    // error are kept from that.
+    // The vehicle is back inside, but not by enough: the box ends some 1999 m north. After 10 m of margin and 5 m of
+    // navigation error, 2 m of the 5 m in `back_by_m` are left.
     trial.vehicle.jump = EastNorth::new(0.0, 1982.0);
     trial.run_for(15.0);
     trial.ask(1, [good_line(10)]);
@@ -217,7 +221,7 @@ fn no_request_is_accepted_until_the_vehicle_is_well_inside_for_long_enough() {
 }
 
 #[test]
-fn a_moment_outside_is_no_excursion() {
+fn a_moment_outside_does_not_count_as_an_excursion() {
     let mut trial = outside_with_inserts(setup(ladder()));
     trial.run_for(0.8);
     trial.vehicle.jump = EastNorth::default();
@@ -227,12 +231,12 @@ fn a_moment_outside_is_no_excursion() {
 }
 
 #[test]
-fn an_excursion_of_the_front_seats_own_is_told_of_once_and_nothing_is_done() {
+fn an_excursion_by_the_front_seat_itself_is_reported_once_and_causes_no_action() {
     let mut trial = Trial::with_under_way(setup(Recovery {
         abort_after_s: Some(9.0),
         ..ladder()
     }));
-    // An insert that waits is not flown.
+    // An insert that waits is not active.
     trial.ask(0, [good_line(1)]);
     trial.run_for(1.0);
     let before = trial.now;
@@ -248,11 +252,11 @@ fn an_excursion_of_the_front_seats_own_is_told_of_once_and_nothing_is_done() {
 }
 
 #[test]
-fn a_lease_that_has_just_ended_is_what_brought_the_vehicle_there() {
+fn an_excursion_just_after_a_lease_counts_as_caused_by_it() {
     let mut trial = Trial::with_under_way(setup(ladder()));
     trial.ask(0, [Request::Modify(modify(1)), good_line(2)]);
     trial.run_for(1.0);
-    // The end of the lease comes before the excursion counts.
+    // The jump ends the lease before the excursion counts.
     trial.vehicle.jump = EastNorth::new(0.0, 2100.0);
     trial.run_for(15.0);
     said_of(&trial, "inserts are cancelled");
@@ -260,7 +264,7 @@ fn a_lease_that_has_just_ended_is_what_brought_the_vehicle_there() {
 }
 
 #[test]
-fn too_deep_and_too_near_to_the_bottom_are_outside_too() {
+fn too_deep_and_too_near_to_the_seabed_count_as_outside() {
     type Leave = fn(&mut Trial);
     let ways: [(&str, Leave); 2] = [
         ("deeper", |trial| trial.vehicle.depth_m = 64.0),
@@ -282,7 +286,7 @@ fn too_deep_and_too_near_to_the_bottom_are_outside_too() {
 }
 
 #[test]
-fn the_ladder_waits_for_a_lost_link_and_goes_on_when_it_is_back() {
+fn recovery_waits_while_the_link_is_lost_and_continues_when_it_is_back() {
     let mut trial = outside_with_inserts(setup(ladder()));
     trial.run_for(1.5);
     said_of(&trial, "leases end");
@@ -298,7 +302,7 @@ fn the_ladder_waits_for_a_lost_link_and_goes_on_when_it_is_back() {
 }
 
 #[test]
-fn an_unanswered_cancel_of_the_runtimes_own_is_sent_again_five_times_and_no_more() {
+fn the_runtimes_own_cancel_is_sent_five_times_at_most_if_it_is_not_answered() {
     let failing = |answer: Reply| {
         let mut setup = Setup::default();
         setup.plugins[0].on_failure = backseat_core::FailAction::Cancel;
@@ -317,7 +321,7 @@ fn an_unanswered_cancel_of_the_runtimes_own_is_sent_again_five_times_and_no_more
         assert_eq!(pair[1].since(pair[0]), Duration::from_secs(least_s));
     }
     let given_up =
-        |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("not answered 5"));
+        |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("did not answer 5"));
     assert_eq!(trial.notes().iter().filter(|note| given_up(note)).count(), 1);
     let trial = failing(Reply::Late(Duration::from_millis(1800), AckStatus::Succeeded));
     assert_eq!(trial.commands("RCN").len(), 1);
@@ -327,7 +331,7 @@ fn an_unanswered_cancel_of_the_runtimes_own_is_sent_again_five_times_and_no_more
 }
 
 #[test]
-fn an_insert_that_begins_meanwhile_is_not_taken_back_again() {
+fn an_insert_that_has_begun_is_not_cancelled_again() {
     let mut trial = Trial::under_way();
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
@@ -341,7 +345,7 @@ fn an_insert_that_begins_meanwhile_is_not_taken_back_again() {
 }
 
 #[test]
-fn sr_020_a_fail_action_leaves_what_would_leave_a_worse_way() {
+fn sr_020_a_fail_action_keeps_an_insert_whose_cancel_would_leave_a_worse_way() {
     let mut setup = Setup {
         limits: backseat_core::Limits {
             inserts_duration_max_s: 20_000.0,
@@ -351,7 +355,8 @@ fn sr_020_a_fail_action_leaves_what_would_leave_a_worse_way() {
     };
     setup.plugins[1].on_failure = backseat_core::FailAction::Cancel;
     let mut trial = Trial::with_under_way(setup);
-    // West of the wreck, around its south, east of it: without the middle one the way goes through the wreck.
+    // The inserts lead past the wreck in the west, south and east: without the southern one the way leads through the
+    // wreck.
     trial.ask(0, [Request::Trackline(line(1, (-400.0, -700.0), (-400.0, -1000.0)))]);
     trial.run_for(0.3);
     trial.ask(1, [Request::Trackline(line(2, (-300.0, -1400.0), (300.0, -1400.0)))]);
@@ -369,7 +374,6 @@ fn sr_020_a_fail_action_leaves_what_would_leave_a_worse_way() {
     trial.fail(1, backseat_core::plugin::FaultKind::Error);
     trial.run_for(5.0);
     assert!(trial.commands("RCN").is_empty());
-    let told =
-        |(_, note): (Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("would remain is worse"));
+    let told = |(_, note): (Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("the way without it is refused"));
     assert!(trial.notes().into_iter().any(told));
 }

@@ -1,11 +1,11 @@
-//! What several tests do to a vehicle, and ask of it.
+//! What several tests do to a vehicle, and check.
 
 use backseat_core::plugin::{Request, TracklineRequest};
 use backseat_units::EastNorth;
 
 use crate::trial::{Trial, short, shorts};
 
-/// In 12 s, with navigation steady again, the vehicle is there.
+/// Brings the vehicle to this place, and leaves navigation 12 s to become steady again.
 pub(crate) fn led_to(trial: &mut Trial, east_m: f64, north_m: f64) {
     let then_s = trial.now.as_nanos() as f64 / 1e9 + 12.0;
     trial.vehicle.start = EastNorth::new(east_m - trial.vehicle.speed_mps * then_s, north_m);
@@ -24,7 +24,8 @@ pub(crate) fn ends(trial: &mut Trial, number: Option<u32>, identifier: Option<u3
     trial.run_for(0.3);
 }
 
-/// The link is lost and comes back; of what is flown the vehicle says nothing (SPI 6.9: a BFMBS is sent as it begins).
+/// The link is lost and comes back. The vehicle does not say again what it flies, because it sends a BFMBS only as a
+/// behavior begins (SPI 6.9).
 pub(crate) fn outage(trial: &mut Trial) {
     trial.vehicle.replays = false;
     trial.cut();

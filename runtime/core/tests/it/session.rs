@@ -18,7 +18,7 @@ fn subscriptions(trial: &Trial, since: Timestamp) -> Vec<String> {
 }
 
 #[test]
-fn the_version_is_said_first_and_control_is_subscribed_before_all_else() {
+fn the_version_is_sent_first_and_control_is_the_first_subscription() {
     let trial = Trial::under_way();
     let names = trial.names_since(Timestamp::ZERO);
     assert_eq!(names[..2], ["VER", "LOG"]);
@@ -30,7 +30,7 @@ fn the_version_is_said_first_and_control_is_subscribed_before_all_else() {
 }
 
 #[test]
-fn everything_is_subscribed_anew_on_a_new_connection() {
+fn a_new_connection_renews_all_subscriptions() {
     let mut trial = Trial::under_way();
     let first = subscriptions(&trial, Timestamp::ZERO);
     let cut = trial.now;
@@ -41,7 +41,7 @@ fn everything_is_subscribed_anew_on_a_new_connection() {
 }
 
 #[test]
-fn connections_are_tried_again_with_growing_pauses() {
+fn connections_are_retried_with_growing_pauses() {
     let mut trial = Trial::new();
     trial.unreachable = true;
     trial.run_for(120.0);
@@ -66,7 +66,7 @@ fn connections_are_tried_again_with_growing_pauses() {
 }
 
 #[test]
-fn a_subscription_without_answer_is_sent_again() {
+fn an_unanswered_subscription_is_sent_again() {
     let mut trial = Trial::new();
     trial.vehicle.replies.insert("LOG", Reply::Silent);
     trial.run_for(1.0);
@@ -80,12 +80,12 @@ fn a_subscription_without_answer_is_sent_again() {
     trial.run_for(10.0);
     assert!(
         subscriptions(&trial, settled).is_empty(),
-        "answered ones are left alone"
+        "answered subscriptions are not sent again"
     );
 }
 
 #[test]
-fn without_navigation_it_subscribes_anew_after_5_s_and_resets_the_connection_after_15_s() {
+fn without_navigation_core_subscribes_again_after_5_s_and_resets_the_connection_after_15_s() {
     let mut trial = Trial::under_way();
     trial.vehicle.navigates = false;
     let silent = trial.now;
@@ -104,7 +104,7 @@ fn without_navigation_it_subscribes_anew_after_5_s_and_resets_the_connection_aft
 }
 
 #[test]
-fn acknowledgements_are_no_navigation() {
+fn acknowledgements_do_not_count_as_navigation() {
     let mut trial = Trial::under_way();
     trial.vehicle.navigates = false;
     let silent = trial.now;
@@ -127,7 +127,7 @@ fn acknowledgements_are_no_navigation() {
 }
 
 #[test]
-fn a_vehicle_that_was_deaf_to_us_is_heard_after_a_while() {
+fn a_vehicle_that_missed_the_first_subscriptions_is_subscribed_again() {
     let mut trial = Trial::new();
     trial.vehicle.deaf_to_subscriptions = 9;
     trial.run_for(10.0);
@@ -167,7 +167,7 @@ fn sr_013_garbage_unknown_and_malformed_sentences_are_counted_and_harm_nothing()
 }
 
 #[test]
-fn sentences_come_in_any_split() {
+fn sentences_may_arrive_in_pieces_of_any_size() {
     for size in [1, 7, 64] {
         let mut trial = Trial::new();
         trial.read_max = size;
@@ -177,7 +177,7 @@ fn sentences_come_in_any_split() {
 }
 
 #[test]
-fn a_burst_of_half_a_minute_in_one_read_is_read_whole() {
+fn a_burst_after_a_stall_of_4_s_is_read_completely() {
     let mut trial = Trial::under_way();
     trial.stalled_until = trial.now + Duration::from_secs(4);
     trial.run_for(6.0);
@@ -185,7 +185,7 @@ fn a_burst_of_half_a_minute_in_one_read_is_read_whole() {
 }
 
 #[test]
-fn sr_023_status_goes_out_every_second_and_is_good() {
+fn sr_023_a_good_status_is_sent_every_second() {
     let mut trial = Trial::under_way();
     trial.run_for(58.0);
     let statuses = trial.commands("STS");
@@ -220,7 +220,7 @@ fn the_first_bytes_of_a_connection_are_those_of_the_specification() {
 }
 
 #[test]
-fn the_vehicles_version_is_noted() {
+fn the_vehicles_version_is_logged() {
     let trial = Trial::under_way();
     let versions: Vec<_> = trial
         .notes()
@@ -230,7 +230,7 @@ fn the_vehicles_version_is_noted() {
     assert_eq!(versions.len(), 1);
 }
 
-/// An acknowledgement as real vehicles write it, with the name and the text as they are.
+/// An acknowledgement of a BPLOG as real vehicles write it, with this name and text.
 fn log_ack(trial: &mut Trial, name: &str, status: u8, text: &str) {
     let (hour, minute, second, nanos) = trial.vehicle.clock(trial.now).hms_nano();
     let millis = nanos / 1_000_000;
@@ -260,7 +260,7 @@ fn refused_subscriptions(trial: &Trial) -> Vec<String> {
 }
 
 #[test]
-fn a_subscription_is_acknowledged_under_its_short_and_under_its_long_name() {
+fn a_subscription_can_be_acknowledged_by_its_short_or_its_long_name() {
     for name in ["LOG", "BPLOG"] {
         let mut trial = connected();
         let sent = subscriptions(&trial, Timestamp::ZERO).len();
@@ -273,7 +273,7 @@ fn a_subscription_is_acknowledged_under_its_short_and_under_its_long_name() {
 }
 
 #[test]
-fn a_refused_subscription_is_the_one_that_was_refused_and_is_not_sent_again() {
+fn a_refused_subscription_is_identified_and_not_sent_again() {
     for unasked in [false, true] {
         let mut trial = Trial::new();
         trial.vehicle.navigates = false;
@@ -293,7 +293,7 @@ fn a_refused_subscription_is_the_one_that_was_refused_and_is_not_sent_again() {
 }
 
 #[test]
-fn an_acknowledgement_that_names_its_subscription_is_believed_in_any_order() {
+fn an_acknowledgement_that_names_its_subscription_counts_in_any_order() {
     let mut trial = connected();
     let mut sent = subscriptions(&trial, Timestamp::ZERO);
     sent.remove(0);
@@ -307,7 +307,7 @@ fn an_acknowledgement_that_names_its_subscription_is_believed_in_any_order() {
 }
 
 #[test]
-fn a_message_that_comes_needs_no_acknowledgement_and_the_others_are_asked_for_less_and_less_often() {
+fn an_arriving_message_confirms_its_subscription_and_the_others_are_repeated_with_growing_pauses() {
     let mut trial = Trial::new();
     trial.vehicle.replies.insert("LOG", Reply::Silent);
     trial.run_for(120.0);
@@ -327,7 +327,7 @@ fn a_message_that_comes_needs_no_acknowledgement_and_the_others_are_asked_for_le
 }
 
 #[test]
-fn a_connection_that_is_back_within_100_ms_is_subscribed_whole() {
+fn a_connection_that_is_back_within_100_ms_gets_all_subscriptions() {
     let mut trial = Trial::under_way();
     let first = subscriptions(&trial, Timestamp::ZERO);
     trial.feed(Input::LinkDown);
@@ -339,7 +339,7 @@ fn a_connection_that_is_back_within_100_ms_is_subscribed_whole() {
 }
 
 #[test]
-fn a_vehicle_that_forgets_the_subscriptions_is_asked_until_it_answers() {
+fn a_vehicle_that_forgets_the_subscriptions_is_subscribed_until_it_answers() {
     let mut trial = Trial::under_way();
     trial.vehicle.subscribed.clear();
     trial.vehicle.deaf_to_subscriptions = 4;
@@ -354,7 +354,7 @@ fn a_vehicle_that_forgets_the_subscriptions_is_asked_until_it_answers() {
 }
 
 #[test]
-fn status_says_0_only_for_what_the_operator_listed() {
+fn status_reports_a_failure_only_for_the_conditions_that_the_operator_listed() {
     let cases: [(Vec<StatusCondition>, bool, bool); 4] = [
         (vec![], true, true),
         (vec![StatusCondition::NavigationStale], false, true),
@@ -401,7 +401,7 @@ fn sr_009_a_late_answer_changes_nothing_and_confirms_no_later_command() {
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(1.15);
     assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
-    // The pause after a BPRMB without an answer.
+    // This is the pause after a BPRMB without an answer.
     trial.run_for(1.0);
     trial.vehicle.replies.insert("RMB", Reply::Silent);
     trial.ask(0, [Request::Modify(modify(2))]);
@@ -417,7 +417,7 @@ fn sr_009_a_late_answer_changes_nothing_and_confirms_no_later_command() {
 }
 
 #[test]
-fn a_command_without_a_name_in_its_answer_is_the_oldest() {
+fn an_answer_without_a_name_belongs_to_the_oldest_command() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.ask(0, [good_line(1), good_line(2)]);
@@ -431,16 +431,16 @@ fn a_command_without_a_name_in_its_answer_is_the_oldest() {
 }
 
 #[test]
-fn an_answer_is_for_the_behavior_that_it_names() {
+fn an_answer_belongs_to_the_behavior_that_it_names() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.ask(0, [good_line(1), good_line(2)]);
     trial.run_for(0.3);
     let sent = trial.commands("RTK");
     let stamps: Vec<_> = sent.iter().map(|(_, command)| command.created().unwrap()).collect();
-    assert_ne!(stamps[0], stamps[1], "no two of one name bear the same time");
+    assert_ne!(stamps[0], stamps[1], "no two commands of one name have the same time");
     let now = trial.now;
-    // The time of the first and the identifier of the second name neither.
+    // The time of the first with the identifier of the second names neither.
     trial
         .vehicle
         .acknowledge(now, ("RTK", stamps[0], Some(2), AckStatus::Failed));
@@ -462,7 +462,7 @@ fn an_answer_is_for_the_behavior_that_it_names() {
 }
 
 #[test]
-fn control_that_comes_and_goes_ten_times_a_second_takes_effect_each_time_and_does_not_fill_the_log() {
+fn control_that_changes_ten_times_a_second_takes_effect_each_time_and_does_not_fill_the_log() {
     let mut trial = Trial::under_way();
     let begun = trial.now;
     for turn in 0..600 {
@@ -487,11 +487,11 @@ fn control_that_comes_and_goes_ten_times_a_second_takes_effect_each_time_and_doe
     assert_eq!(
         told(&trial).last(),
         Some(&false),
-        "how it stands is told within ten seconds"
+        "the log has the current state within ten seconds"
     );
     let more = trial
         .notes()
         .into_iter()
-        .filter(|(_, note)| note.to_string().contains("times more"));
+        .filter(|(_, note)| note.to_string().contains("more times"));
     assert!(more.count() >= 3);
 }

@@ -35,7 +35,7 @@ fn under_way_with(setup: Setup) -> Trial {
     trial
 }
 
-/// The first plugin has made the vehicle silent under tag 1; when it asked.
+/// A trial in which the first plugin has made the vehicle silent under tag 1, and when it asked for that.
 fn quiet() -> (Trial, Timestamp) {
     let mut trial = under_way();
     trial.ask(0, [silent(1)]);
@@ -57,7 +57,7 @@ fn lapsed() -> Option<RequestState> {
 }
 
 #[test]
-fn sr_018_silence_is_kept_for_five_minutes_from_when_it_was_asked_for() {
+fn sr_018_silence_lasts_five_minutes_from_its_request() {
     let (mut trial, sent) = quiet();
     assert_eq!(last_written(&trial, "BPSIL"), ["1"]);
     run_until(&mut trial, sent + Duration::from_millis(299_990));
@@ -65,7 +65,8 @@ fn sr_018_silence_is_kept_for_five_minutes_from_when_it_was_asked_for() {
     run_until(&mut trial, sent + Duration::from_secs(300));
     assert_eq!(trial.states(1).last().cloned(), lapsed());
     assert_eq!(trial.core.open_requests(), 0);
-    // The vehicle counts from when it was silent, up to 1.5 s later: until then nothing would be gained by asking.
+    // The vehicle counts from when it became silent, up to 1.5 s later. Until then another request would not extend the
+    // silence.
     trial.ask(0, [silent(2)]);
     trial.run_for(0.3);
     assert!(trial.rejection(2).starts_with("state: "));
@@ -77,7 +78,7 @@ fn sr_018_silence_is_kept_for_five_minutes_from_when_it_was_asked_for() {
 }
 
 #[test]
-fn sr_018_the_first_acknowledgement_tells_of_the_receipt_alone() {
+fn sr_018_the_first_acknowledgement_only_confirms_the_receipt() {
     let answers = [
         (Reply::Twice(Duration::from_secs(4), AckStatus::Succeeded), "started"),
         (Reply::Twice(Duration::from_secs(4), AckStatus::Failed), "failed"),
@@ -96,7 +97,7 @@ fn sr_018_the_first_acknowledgement_tells_of_the_receipt_alone() {
 }
 
 #[test]
-fn sr_009_a_refused_entry_has_failed_and_can_be_asked_for_again() {
+fn sr_009_a_refused_entry_into_silence_fails_and_can_be_requested_again() {
     for reply in [
         Reply::Refuse,
         Reply::Nak,
@@ -118,8 +119,8 @@ fn sr_009_a_refused_entry_has_failed_and_can_be_asked_for_again() {
 }
 
 #[test]
-fn sr_018_an_entry_without_its_answers_may_have_made_the_vehicle_silent() {
-    // No receipt; a receipt and no more; a second one that comes too late.
+fn sr_018_an_entry_without_both_answers_may_have_made_the_vehicle_silent() {
+    // No receipt; a receipt but no second answer; a second answer that comes too late.
     for (reply, after) in [
         (Reply::Silent, 2.0),
         (Reply::PendingForEver, 6.0),
@@ -147,7 +148,7 @@ fn sr_018_an_entry_without_its_answers_may_have_made_the_vehicle_silent() {
 }
 
 #[test]
-fn sr_018_whose_entry_had_no_answer_may_ask_for_normal_to_be_sure() {
+fn sr_018_a_plugin_whose_entry_was_not_answered_may_request_normal_mode() {
     let mut trial = under_way();
     trial.vehicle.replies.insert("SIL", Reply::Silent);
     trial.ask(0, [silent(1)]);
@@ -163,7 +164,7 @@ fn sr_018_whose_entry_had_no_answer_may_ask_for_normal_to_be_sure() {
 }
 
 #[test]
-fn sr_018_a_link_lost_at_the_entry_leaves_the_vehicle_counted_as_silent() {
+fn sr_018_after_a_link_loss_during_the_entry_the_vehicle_counts_as_silent() {
     for wait in [0.05, 0.5] {
         let mut trial = under_way();
         trial.ask(0, [silent(1)]);
@@ -171,7 +172,7 @@ fn sr_018_a_link_lost_at_the_entry_leaves_the_vehicle_counted_as_silent() {
         trial.cut();
         assert_eq!(trial.states(1).last(), Some(&RequestState::TimedOut));
         trial.run_for(280.0);
-        assert_eq!(trial.sent("SIL").len(), 1, "never twice");
+        assert_eq!(trial.sent("SIL").len(), 1, "the entry is never sent twice");
         trial.ask(0, [silent(2)]);
         trial.run_for(0.3);
         assert!(trial.rejection(2).contains("may be silent"));
@@ -217,7 +218,7 @@ fn sr_018_silence_outlives_link_control_mission_hold_and_plugin() {
 }
 
 #[test]
-fn sr_018_its_plugin_leaves_silence_before_its_time() {
+fn sr_018_a_plugin_can_end_its_silence_early() {
     let (mut trial, _) = quiet();
     trial.ask(0, [normal(2)]);
     trial.run_for(2.0);
@@ -232,7 +233,7 @@ fn sr_018_its_plugin_leaves_silence_before_its_time() {
 }
 
 #[test]
-fn sr_018_a_refused_leave_leaves_the_silence_as_it_was() {
+fn sr_018_a_refused_request_for_normal_mode_leaves_the_silence_as_it_was() {
     let (mut trial, sent) = quiet();
     trial.vehicle.replies.insert("SIL", Reply::Refuse);
     trial.ask(0, [normal(2)]);
@@ -244,7 +245,7 @@ fn sr_018_a_refused_leave_leaves_the_silence_as_it_was() {
 }
 
 #[test]
-fn sr_018_a_leave_without_answer_ends_the_silence_for_its_plugin_and_not_for_the_next() {
+fn sr_018_an_unanswered_request_for_normal_mode_ends_the_request_but_the_vehicle_counts_as_silent() {
     for cut in [true, false] {
         let (mut trial, _) = quiet();
         trial.vehicle.replies.insert("SIL", Reply::Silent);
@@ -270,7 +271,7 @@ fn sr_018_a_leave_without_answer_ends_the_silence_for_its_plugin_and_not_for_the
 }
 
 #[test]
-fn sr_018_silence_that_lapses_while_it_is_left_ends_once() {
+fn sr_018_a_silence_that_lapses_during_a_request_for_normal_mode_ends_once() {
     for (reply, leave) in [
         (TWICE, "ended"),
         (Reply::Refuse, "failed"),
@@ -295,16 +296,16 @@ fn sr_018_silence_that_lapses_while_it_is_left_ends_once() {
 }
 
 #[test]
-fn what_the_state_does_not_allow_is_rejected() {
+fn requests_that_the_state_does_not_allow_are_rejected() {
     let mut trial = under_way();
     trial.ask(0, [normal(1)]);
     trial.run_for(0.3);
     assert!(trial.rejection(1).contains("is not silent"));
-    // One after the other, and the second before the first is answered.
+    // The second and the third request come before the first is answered.
     trial.ask(0, [silent(2), silent(3), normal(4)]);
     trial.run_for(2.0);
-    assert!(trial.rejection(3).contains("has not answered for the last one"));
-    assert!(trial.rejection(4).contains("has not answered for the last one"));
+    assert!(trial.rejection(3).contains("has not answered the last BPSIL"));
+    assert!(trial.rejection(4).contains("has not answered the last BPSIL"));
     trial.ask(0, [silent(5)]);
     trial.ask(1, [silent(6), normal(7)]);
     trial.run_for(0.3);
@@ -316,7 +317,7 @@ fn what_the_state_does_not_allow_is_rejected() {
 }
 
 #[test]
-fn sr_018_silent_mode_needs_its_acknowledgements() {
+fn sr_018_silent_mode_needs_a_vehicle_that_acknowledges() {
     let mut trial = Trial::with(setup());
     for name in ["LOG", "VER", "RMP", "STS"] {
         trial.vehicle.replies.insert(name, Reply::Silent);
@@ -328,7 +329,7 @@ fn sr_018_silent_mode_needs_its_acknowledgements() {
 }
 
 #[test]
-fn sr_019_silent_mode_is_asked_for_no_more_often_than_the_mission_allows() {
+fn sr_019_the_number_of_silences_of_a_mission_is_capped() {
     let limits = Limits {
         silences_total_max: 2,
         silent_term_s: 20.0,
@@ -339,7 +340,11 @@ fn sr_019_silent_mode_is_asked_for_no_more_often_than_the_mission_allows() {
         trial.ask(0, [silent(tag)]);
         trial.run_for(30.0);
         let ended = RequestState::Ended(Ended::Said(EndCause::Lapsed, "after 20 s".to_owned()));
-        assert_eq!(trial.states(tag).last(), Some(&ended), "the term is the mission file's");
+        assert_eq!(
+            trial.states(tag).last(),
+            Some(&ended),
+            "the term comes from the mission file"
+        );
     }
     trial.script(0, |_| (Duration::from_millis(1), Ok(vec![silent(3)])));
     trial.run_for(60.0);

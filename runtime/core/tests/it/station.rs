@@ -10,8 +10,8 @@ use crate::course::limits;
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
-/// Half a metre off, and 0.2 m/s for the 2 s of the vehicle's time-out and 1 s of the link's delay: a move at that speed
-/// may stray by 1.1 m, and what it makes in navigation's age.
+/// A position error of half a metre, and 0.2 m/s for the 2 s of the vehicle's time-out and the 1 s of the link's delay:
+/// a move at that speed may stray by 1.1 m, and in addition by what it covers within navigation's age.
 pub(crate) fn station_limits() -> StationLimits {
     StationLimits {
         speed_max_mps: 0.5,
@@ -62,7 +62,8 @@ pub(crate) fn station_limits() -> StationLimits {
     }
 }
 
-/// A hovering vehicle some metres from a hull, its plugins allowed all that it can.
+/// The setup of a hovering vehicle some metres from a hull. Its plugins have the grants for station keeping and
+/// devices.
 pub(crate) fn setup(station: Option<StationLimits>) -> Setup {
     let limits = Limits { station, ..limits() };
     let mut setup = Setup {
@@ -98,7 +99,7 @@ pub(crate) fn station(tag: u64) -> StationRequest {
     }
 }
 
-/// At 0.2 m/s to a place on the hull.
+/// A move at 0.2 m/s to a place on the hull.
 pub(crate) fn to_hull(tag: u64, horizontal_m: f64, vertical_m: f64, distance_m: f64) -> StationRequest {
     StationRequest {
         target: StationTarget::Hull {
@@ -111,7 +112,7 @@ pub(crate) fn to_hull(tag: u64, horizontal_m: f64, vertical_m: f64, distance_m: 
     }
 }
 
-/// At 0.2 m/s to a place over the bottom.
+/// A move at 0.2 m/s to a place over the bottom.
 pub(crate) fn to_bottom(tag: u64, x_m: f64, y_m: f64, vertical: VerticalRequest) -> StationRequest {
     StationRequest {
         target: StationTarget::Bottom { x_m, y_m, vertical },
@@ -120,7 +121,7 @@ pub(crate) fn to_bottom(tag: u64, x_m: f64, y_m: f64, vertical: VerticalRequest)
     }
 }
 
-/// The vehicle comes to a place on the hull within so many seconds.
+/// Moves the vehicle evenly to a place on the hull within this many seconds.
 pub(crate) fn glide(trial: &mut Trial, to_m: [f64; 3], seconds: f64) {
     let from_m = trial.vehicle.hull_m.unwrap();
     for step in 1..=20 {
@@ -139,14 +140,14 @@ pub(crate) fn moving() -> Trial {
     trial
 }
 
-/// What of station keeping was sent since then, in its order.
+/// The names of the sentences for station keeping and modifies that were sent since then, in order.
 pub(crate) fn sentences(trial: &Trial, since: Timestamp) -> Vec<&'static str> {
     let of_a_hold = ["SUS", "SPD", "GHP", "GBP", "CON", "RES", "RMB", "EMB"];
     let names = trial.names_since(since).into_iter();
     names.filter(|name| of_a_hold.contains(name)).collect()
 }
 
-/// The lines of a name as they were written, their checksums looked at and cut off with the time of day.
+/// The lines of this name as they were written, without time of day and checksum, which are checked here.
 pub(crate) fn lines(trial: &Trial, name: &str) -> Vec<String> {
     let start = format!("$BP{name},");
     let mut lines = Vec::new();
@@ -166,7 +167,7 @@ pub(crate) fn lines(trial: &Trial, name: &str) -> Vec<String> {
 }
 
 #[test]
-fn sr_005_a_move_suspends_limits_the_speed_moves_and_is_refreshed_each_half_second_until_its_term() {
+fn sr_005_a_move_suspends_limits_the_speed_moves_and_is_refreshed_each_half_second_until_its_term_ends() {
     let mut trial = hovering();
     let asked = trial.now;
     let duration = Duration::from_secs(5);
@@ -206,12 +207,12 @@ fn sr_005_a_move_suspends_limits_the_speed_moves_and_is_refreshed_each_half_seco
             }
         )
     };
-    assert!(trial.events(0).iter().any(told), "the plugin hears of it");
+    assert!(trial.events(0).iter().any(told), "the plugin learns of it");
     assert_eq!(trial.core.open_requests(), 0);
 }
 
 #[test]
-fn a_move_over_the_bottom_goes_by_depth_or_by_altitude() {
+fn a_move_over_the_bottom_is_sent_with_a_depth_or_an_altitude() {
     let mut trial = hovering();
     trial.ask(
         0,
@@ -224,7 +225,8 @@ fn a_move_over_the_bottom_goes_by_depth_or_by_altitude() {
     );
     trial.run_for(1.0);
     trial.vehicle.altitude_m = Some(20.0);
-    // A lock that says 40 m of water, where the mission says at least 80, changes nothing; one that says 85 does.
+    // A bottom lock that gives 40 m of water changes nothing, because the mission says at least 80 m; one that gives 85
+    // m counts.
     trial.vehicle.altitude_m = Some(65.0);
     trial.run_for(1.0);
     trial.ask(
@@ -243,13 +245,13 @@ fn a_move_over_the_bottom_goes_by_depth_or_by_altitude() {
         "{:?}",
         trial.states(2)
     );
-    assert_eq!(lines(&trial, "SPD"), ["0.2"], "it is known already");
+    assert_eq!(lines(&trial, "SPD"), ["0.2"], "the vehicle already has this limit");
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "ended"]);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
 }
 
 #[test]
-fn station_keeping_where_it_is_needs_no_move_and_no_speed() {
+fn station_keeping_at_the_current_place_needs_no_move_and_no_speed() {
     let mut trial = hovering();
     let asked = trial.now;
     trial.ask(0, [Request::Station(station(1))]);
@@ -261,7 +263,7 @@ fn station_keeping_where_it_is_needs_no_move_and_no_speed() {
 }
 
 #[test]
-fn a_station_that_is_asked_for_in_each_step_is_refreshed_no_more_often_and_stays_open_once() {
+fn a_station_request_repeated_in_each_step_is_refreshed_no_more_often_and_stays_one_request() {
     for target in [station(1), to_hull(1, 3.0, 5.0, 5.0)] {
         let mut trial = hovering();
         trial.script(0, move |_| {
@@ -317,7 +319,7 @@ fn station_requests_that_end_and_begin_are_sent_at_most_five_times_a_second() {
 }
 
 #[test]
-fn a_moved_vehicle_that_is_to_stay_is_sent_to_where_it_is() {
+fn a_moving_vehicle_that_is_to_stay_is_sent_to_its_current_place() {
     let mut trial = moving();
     glide(&mut trial, [4.0, 5.0, 5.5], 4.0);
     trial.ask(0, [Request::Station(station(2))]);
@@ -328,7 +330,7 @@ fn a_moved_vehicle_that_is_to_stay_is_sent_to_where_it_is() {
         "there is no command to stop"
     );
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
-    // It drifts; asked again, it stays there and does not follow the drift.
+    // The vehicle drifts. When the plugin asks again, the target stays and does not follow the drift.
     trial.vehicle.hull_m = Some([4.5, 5.0, 5.5]);
     trial.run_for(0.3);
     trial.ask(0, [Request::Station(station(2))]);
@@ -360,8 +362,8 @@ fn a_move_without_a_speed_never_inherits_one() {
     assert_eq!(lines(&trial, "SPD"), ["1.5", "0.5", "1.5"], "{:?}", trial.states(1));
     trial.ask(0, [Request::EndStation]);
     trial.run_for(0.5);
-    assert_eq!(lines(&trial, "SPD").len(), 3, "it has its own already");
-    // Where it has the vehicle's own, which is over what a move may do, a move must say its speed.
+    assert_eq!(lines(&trial, "SPD").len(), 3, "the vehicle already has its own limit");
+    // If the vehicle's own limit is above that of a move, a move must state its speed.
     let mut trial = hovering();
     trial.ask(0, [Request::Station(plain(1))]);
     trial.run_for(0.5);
@@ -449,14 +451,14 @@ fn sr_005_station_keeping_ends_with_one_bpres_whatever_ends_it() {
 }
 
 #[test]
-fn sr_005_relative_navigation_ends_station_keeping_the_moment_that_it_is_stale() {
+fn sr_005_station_keeping_ends_the_moment_that_relative_navigation_is_stale() {
     let mut trial = moving();
     let last = trial.now;
     trial.vehicle.hull_m = None;
     trial.run_for(3.0);
     let after = trial.sent_since("RES", last)[0].since(last);
     assert!((900..=1010).contains(&after.as_millis()), "{after:?}");
-    // To stay where it is needs either.
+    // Staying at the current place needs one of the two relative positions.
     let mut trial = hovering();
     trial.ask(0, [Request::Station(station(1))]);
     trial.run_for(0.5);
@@ -496,13 +498,17 @@ fn sr_005_a_refusal_or_silence_at_any_step_ends_station_keeping_and_its_request_
                 assert_eq!(waited, Duration::from_secs(1), "{name}");
             }
             let moved = !trial.commands("GHP").is_empty();
-            assert_eq!(moved, name == "GHP", "no move before what it needs is acknowledged");
+            assert_eq!(
+                moved,
+                name == "GHP",
+                "no move leaves before the steps that it needs are acknowledged"
+            );
         }
     }
 }
 
 #[test]
-fn an_acknowledgement_may_take_its_time_and_the_mission_stays_suspended_meanwhile() {
+fn an_acknowledgement_may_take_its_time_while_the_mission_stays_suspended() {
     let mut trial = hovering();
     for name in ["SUS", "SPD", "GHP"] {
         let reply = Reply::Pending(Duration::from_millis(1500), AckStatus::Succeeded);
@@ -513,12 +519,12 @@ fn an_acknowledgement_may_take_its_time_and_the_mission_stays_suspended_meanwhil
     assert_eq!(shorts(&trial.states(1)), ["sent", "pending", "accepted"]);
     assert!(
         trial.commands("CON").len() > 6,
-        "the judge of the trial looks at the pauses"
+        "the judge of the trial checks the pauses"
     );
 }
 
 #[test]
-fn answers_twice_late_or_for_something_else_change_nothing() {
+fn repeated_late_and_unrelated_answers_change_nothing() {
     let mut trial = moving();
     let echo = trial.sent("GHP")[0];
     let now = trial.now;
@@ -532,7 +538,7 @@ fn answers_twice_late_or_for_something_else_change_nothing() {
     }
     trial.run_for(1.0);
     assert!(trial.lease_ends().is_empty());
-    // The answer to the first suspension is none to the second.
+    // The answer to the first suspension does not count for the second.
     let mut trial = hovering();
     trial
         .vehicle
@@ -548,7 +554,7 @@ fn answers_twice_late_or_for_something_else_change_nothing() {
 }
 
 #[test]
-fn what_is_asked_for_while_another_is_under_way_follows_its_acknowledgement() {
+fn a_request_during_another_is_sent_after_the_acknowledgement_of_the_first() {
     let mut trial = hovering();
     let slow = Reply::Late(Duration::from_millis(450), AckStatus::Succeeded);
     for name in ["SUS", "SPD", "GHP"] {
@@ -561,7 +567,7 @@ fn what_is_asked_for_while_another_is_under_way_follows_its_acknowledgement() {
     assert_eq!(lines(&trial, "GHP"), ["5,5,5"], "only the newest");
     assert_eq!(shorts(&trial.states(1)), ["sent", "ended"]);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
-    // A move that is overtaken is not what is acknowledged.
+    // The acknowledgement of a replaced move does not count for the new one.
     trial.ask(0, [Request::Station(to_hull(3, 6.0, 5.0, 5.0))]);
     trial.run_for(0.3);
     trial.ask(0, [Request::Station(to_hull(4, 7.0, 5.0, 5.0))]);

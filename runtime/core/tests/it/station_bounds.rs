@@ -7,7 +7,7 @@ use crate::course::envelope;
 use crate::station::{glide, hovering, hovering_with, setup, station, station_limits, to_bottom, to_hull};
 use crate::trial::{Trial, shorts};
 
-/// What becomes of station keeping that is asked for now.
+/// Asks for station keeping now, and returns the rejection if there is one.
 fn ask(trial: &mut Trial, request: StationRequest) -> Result<(), String> {
     trial.ask(0, [Request::Station(request)]);
     trial.run_for(0.4);
@@ -18,8 +18,8 @@ fn ask(trial: &mut Trial, request: StationRequest) -> Result<(), String> {
 }
 
 #[test]
-fn sr_002_the_whole_way_on_the_hull_is_in_the_box_and_at_or_beyond_the_least_standoff() {
-    // At 0.2 m/s it may stray by 1.1 m, and what it makes in navigation's age.
+fn sr_002_the_whole_way_of_a_move_on_the_hull_is_in_the_box_and_not_nearer_than_the_least_standoff() {
+    // At 0.2 m/s the vehicle may stray by 1.1 m, and in addition by what it covers within navigation's age.
     let cases = [
         (to_hull(1, 10.0, 5.0, 2.2), None),
         (
@@ -48,8 +48,8 @@ fn sr_002_the_whole_way_on_the_hull_is_in_the_box_and_at_or_beyond_the_least_sta
 }
 
 #[test]
-fn sr_002_a_way_that_leads_past_a_screw_is_no_way_though_its_ends_are_clear() {
-    // Here and the target are each some 10 m from the screw, on either side of it.
+fn sr_002_a_move_past_a_screw_is_rejected_although_its_ends_are_clear() {
+    // The vehicle and the target are at least 10 m from the screw, on either side of it.
     let mut trial = hovering();
     let rejection = ask(&mut trial, to_hull(1, 40.0, 7.0, 5.0)).unwrap_err();
     assert!(
@@ -60,9 +60,10 @@ fn sr_002_a_way_that_leads_past_a_screw_is_no_way_though_its_ends_are_clear() {
         rejection.contains("m into keep_out_hull 'screw', over its "),
         "{rejection}"
     );
-    // Around it: away from the hull, along it, back.
+    // The first step of a way around the screw: away from the hull.
     assert_eq!(ask(&mut trial, to_hull(2, 0.0, 5.0, 9.0)), Ok(()));
-    // From a place off the hull the straight line is clear, and the box that spans it is not: the path is not known.
+    // From a place farther off the hull the straight line is clear, but the box that spans it is not, and the vehicle's
+    // path between the two is not known.
     trial.vehicle.hull_m = Some([0.0, 5.0, 9.0]);
     trial.run_for(11.0);
     assert!(ask(&mut trial, to_hull(3, 40.0, 7.0, 5.0)).is_err());
@@ -79,16 +80,17 @@ fn sr_002_the_way_back_to_where_the_mission_was_suspended_is_part_of_a_move() {
         );
         glide(&mut trial, target_m, 5.0);
     }
-    // On from there the way is clear of the screw. The way back from there to the first place, 5 m off, is not.
+    // The way on from there is clear of the screw. The way back from its end to the first place, 5 m off the hull, is
+    // not.
     let rejection = ask(&mut trial, to_hull(3, 40.0, 5.0, 9.0)).unwrap_err();
     assert!(rejection.contains("screw"), "{rejection}");
-    assert!(trial.core.is_steering(), "the move that was good stands");
-    // A mission that has not gone on yet stands where it was suspended first.
+    assert!(trial.core.is_steering(), "the earlier move goes on");
+    // A mission that has not gone on yet is still suspended at its first place.
     trial.ask(0, [Request::EndStation]);
     trial.run_for(0.5);
     let rejection = ask(&mut trial, to_hull(4, 40.0, 5.0, 9.0)).unwrap_err();
     assert!(rejection.contains("screw"), "{rejection}");
-    // One that has and is suspended there may go on from there.
+    // A mission that has gone on and is suspended here may go on from here.
     let now = trial.now;
     trial.vehicle.begin(now, Some(2), None);
     trial.run_for(0.5);
@@ -96,7 +98,7 @@ fn sr_002_the_way_back_to_where_the_mission_was_suspended_is_part_of_a_move() {
 }
 
 #[test]
-fn sr_020_where_the_vehicle_is_must_be_good_too_and_no_way_leads_back_in() {
+fn sr_020_from_a_bad_place_every_station_request_is_rejected_even_one_that_leads_back() {
     let places = [
         ([0.0, 5.0, 1.2], "distance_min_m 1"),
         ([0.0, 5.0, 16.0], "distance_max_m 15"),
@@ -117,10 +119,10 @@ fn sr_020_where_the_vehicle_is_must_be_good_too_and_no_way_leads_back_in() {
 }
 
 #[test]
-fn sr_004_each_refresh_is_checked_anew_and_the_box_ends_station_keeping() {
+fn sr_004_each_refresh_of_station_keeping_is_checked_again_and_the_box_ends_it() {
     let mut trial = hovering();
     assert_eq!(ask(&mut trial, station(1)), Ok(()));
-    // It drifts towards the hull.
+    // The vehicle drifts towards the hull.
     while trial.core.is_steering() {
         let [horizontal_m, vertical_m, distance_m] = trial.vehicle.hull_m.unwrap();
         glide(&mut trial, [horizontal_m, vertical_m, distance_m - 0.1], 0.5);
@@ -132,7 +134,7 @@ fn sr_004_each_refresh_is_checked_anew_and_the_box_ends_station_keeping() {
 }
 
 #[test]
-fn sr_004_station_keeping_ends_at_the_sample_that_shows_it_out_of_its_box() {
+fn sr_004_station_keeping_ends_at_the_sample_that_shows_the_vehicle_outside_its_box() {
     let mut trial = hovering();
     glide(&mut trial, [0.0, 5.0, 2.0], 6.0);
     assert_eq!(ask(&mut trial, station(1)), Ok(()));
@@ -141,7 +143,7 @@ fn sr_004_station_keeping_ends_at_the_sample_that_shows_it_out_of_its_box() {
         trial.run_for(0.01);
     }
     let refreshed = trial.now;
-    // Less than what would be a jump, and nearer than it may come.
+    // The step is too small for a jump, but it leads nearer to the hull than allowed.
     trial.vehicle.hull_m = Some([0.0, 5.0, 1.2]);
     trial.run_for(1.0);
     let (ended, reason) = trial.lease_ends().pop().expect("an end");
@@ -158,13 +160,13 @@ fn sr_002_a_fast_vehicle_strays_further() {
     let mut trial = hovering();
     trial.vehicle.speed_mps = 1.5;
     trial.run_for(1.0);
-    // It runs on at 1.5 m/s for 3 s: 4.5 m, with the hull 5 m off.
+    // The vehicle moves on at 1.5 m/s for 3 s: 4.5 m, and the hull is 5 m away.
     let rejection = ask(&mut trial, station(1)).unwrap_err();
     assert!(rejection.contains("where it is: distance from the hull"), "{rejection}");
 }
 
 #[test]
-fn sr_002_a_way_over_the_bottom_is_in_the_box_with_its_depths() {
+fn sr_002_the_whole_way_of_a_move_over_the_bottom_is_in_the_box_and_within_its_depths() {
     let depth = VerticalRequest::DepthM;
     let cases = [
         (to_bottom(1, 10.0, 10.0, depth(25.0)), None),
@@ -176,7 +178,7 @@ fn sr_002_a_way_over_the_bottom_is_in_the_box_with_its_depths() {
         ),
         (to_bottom(5, 10.0, 0.0, depth(2.5)), Some("bottom_box's depth_min_m 2")),
         (to_bottom(6, 40.0, 0.0, depth(20.0)), Some("keep_out_bottom 'mooring'")),
-        // The ends are clear, the box between them is not.
+        // Both ends are clear, but the box between them is not.
         (to_bottom(7, 22.0, 20.0, depth(20.0)), Some("keep_out_bottom 'mooring'")),
         (to_bottom(8, 5.0, 40.0, depth(20.0)), None),
     ];
@@ -210,7 +212,7 @@ fn sr_002_heights_above_the_bottom_need_a_water_depth() {
         trial.run_for(3.0);
         trial
     };
-    // 24 to 26 m of water, 20 m deep.
+    // The water is 24 to 26 m deep, and the vehicle is at 20 m.
     let mut trial = shallow(Some(24.0), Some(26.0));
     assert_eq!(ask(&mut trial, to_bottom(1, 5.0, 0.0, altitude(4.0))), Ok(()));
     let rejection = ask(&mut trial, to_bottom(2, 5.0, 0.0, altitude(3.0))).unwrap_err();
@@ -218,7 +220,7 @@ fn sr_002_heights_above_the_bottom_need_a_water_depth() {
     assert!(rejection.contains("altitude_min_m 2"), "{rejection}");
     let rejection = ask(&mut trial, to_bottom(3, 5.0, 0.0, VerticalRequest::DepthM(22.0))).unwrap_err();
     assert!(rejection.contains("altitude_min_m 2"), "{rejection}");
-    // An altitude that leads to the surface.
+    // This altitude leads to the surface.
     let rejection = ask(&mut trial, to_bottom(4, 5.0, 0.0, altitude(23.0))).unwrap_err();
     assert!(rejection.contains("bottom_box's depth_min_m 2"), "{rejection}");
     let rejection = ask(&mut shallow(None, Some(26.0)), to_bottom(1, 5.0, 0.0, altitude(4.0))).unwrap_err();
@@ -235,8 +237,12 @@ fn each_kind_of_move_needs_its_own_navigation_and_its_own_box() {
     trial.run_for(1.5);
     let rejection = ask(&mut trial, to_hull(1, 5.0, 5.0, 5.0)).unwrap_err();
     assert_eq!(rejection, "navigation: a move on the hull needs fresh BFRNV");
-    assert_eq!(ask(&mut trial, station(2)), Ok(()), "either tells where it is");
-    // The mission was suspended at a place that is not known on the hull.
+    assert_eq!(
+        ask(&mut trial, station(2)),
+        Ok(()),
+        "either of the two positions is enough"
+    );
+    // The mission was suspended at a place whose position on the hull is not known.
     trial.vehicle.hull_m = Some([0.0, 5.0, 5.0]);
     trial.run_for(1.0);
     let rejection = ask(&mut trial, to_hull(3, 5.0, 5.0, 5.0)).unwrap_err();
@@ -263,11 +269,11 @@ fn each_kind_of_move_needs_its_own_navigation_and_its_own_box() {
     trial.vehicle.hull_m = None;
     trial.run_for(1.5);
     let rejection = ask(&mut trial, station(2)).unwrap_err();
-    assert!(rejection.contains("neither BFRNV in a hull_box"), "{rejection}");
+    assert!(rejection.contains("neither BFRNV with a hull_box"), "{rejection}");
 }
 
 #[test]
-fn the_question_of_a_plugin_and_the_request_get_the_same_answer() {
+fn a_plugins_query_and_its_request_get_the_same_answer() {
     let limits = setup(Some(station_limits())).limits;
     let judge = envelope(limits);
     let requests = [

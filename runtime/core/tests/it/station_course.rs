@@ -1,5 +1,5 @@
-//! What becomes of station keeping when the link, the navigation, control or another plugin comes in between, and what
-//! is none.
+//! What happens to station keeping when the link, the navigation, control or another plugin interferes, and which
+//! requests are rejected.
 
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ fn sr_007_a_cut_link_ends_station_keeping_and_the_speed_limit_is_restored_once_w
         Some(&RequestState::Ended(Uncontrolled::LinkDown.into()))
     );
     trial.run_for(5.0);
-    assert!(sentences(&trial, cut).is_empty(), "without control nothing is said");
+    assert!(sentences(&trial, cut).is_empty(), "without control nothing is sent");
     let now = trial.now;
     trial.vehicle.set_control(now, true);
     trial.vehicle.set_status(now, "Running");
@@ -32,7 +32,7 @@ fn sr_007_a_cut_link_ends_station_keeping_and_the_speed_limit_is_restored_once_w
     assert_eq!(
         sentences(&trial, cut),
         ["SPD"],
-        "no stale BPCON, no BPRES for what has lapsed"
+        "no old BPCON, and no BPRES for station keeping that has lapsed"
     );
     assert_eq!(lines(&trial, "SPD"), ["0.2", "1.5"]);
     let now = trial.now;
@@ -46,7 +46,7 @@ fn sr_007_a_cut_link_ends_station_keeping_and_the_speed_limit_is_restored_once_w
 }
 
 #[test]
-fn a_speed_limit_that_was_not_taken_back_is_sent_again_with_the_next_control() {
+fn a_speed_limit_that_could_not_be_restored_is_restored_with_the_next_control() {
     for reply in [Reply::Refuse, Reply::Silent] {
         let mut trial = moving();
         trial.vehicle.replies.insert("SPD", reply);
@@ -67,7 +67,7 @@ fn a_speed_limit_that_was_not_taken_back_is_sent_again_with_the_next_control() {
 }
 
 #[test]
-fn station_keeping_cut_off_before_its_first_answer_is_at_its_end_and_is_not_sent_again() {
+fn station_keeping_that_is_cut_off_before_its_first_answer_ends_and_is_not_sent_again() {
     let mut trial = hovering();
     trial.vehicle.replies.insert("SUS", Reply::Silent);
     trial.ask(0, [Request::Station(to_hull(1, 10.0, 5.0, 5.0))]);
@@ -83,7 +83,7 @@ fn station_keeping_cut_off_before_its_first_answer_is_at_its_end_and_is_not_sent
 }
 
 #[test]
-fn sr_021_after_a_jump_no_station_keeping_until_it_has_been_steady_for_ten_seconds() {
+fn sr_021_after_a_jump_station_keeping_is_rejected_until_navigation_has_been_steady_for_ten_seconds() {
     let mut trial = hovering();
     trial.vehicle.hull_m = Some([6.0, 5.0, 5.0]);
     trial.run_for(1.0);
@@ -101,7 +101,7 @@ fn sr_021_after_a_jump_no_station_keeping_until_it_has_been_steady_for_ten_secon
 }
 
 #[test]
-fn the_higher_plugin_takes_the_station_and_the_lower_is_rejected() {
+fn a_plugin_of_higher_priority_takes_over_station_keeping_and_one_of_lower_priority_is_rejected() {
     let mut trial = hovering();
     trial.ask(1, [Request::Station(station(1))]);
     trial.run_for(0.5);
@@ -129,11 +129,14 @@ fn the_higher_plugin_takes_the_station_and_the_lower_is_rejected() {
     trial.run_for(0.5);
     assert!(trial.rejection(3).contains("higher priority"));
     assert!(trial.rejection(4).contains("higher priority keeps"));
-    assert!(trial.core.is_steering(), "the lower one cannot end it either");
+    assert!(
+        trial.core.is_steering(),
+        "the plugin of lower priority cannot end it either"
+    );
 }
 
 #[test]
-fn a_rejected_station_of_the_higher_plugin_leaves_that_of_the_lower_one() {
+fn a_rejected_station_request_of_higher_priority_leaves_that_of_lower_priority() {
     let mut trial = hovering();
     trial.ask(1, [Request::Station(station(1))]);
     trial.run_for(0.5);
@@ -144,7 +147,7 @@ fn a_rejected_station_of_the_higher_plugin_leaves_that_of_the_lower_one() {
 }
 
 #[test]
-fn a_modify_and_station_keeping_never_stand_together() {
+fn a_modify_and_station_keeping_are_never_active_together() {
     let mut trial = hovering();
     trial.ask(1, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
@@ -154,7 +157,7 @@ fn a_modify_and_station_keeping_never_stand_together() {
     assert_eq!(
         sentences(&trial, start),
         ["EMB", "SUS"],
-        "the judge of the trial looks at the order too"
+        "the judge of the trial checks the order too"
     );
     assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"));
     let start = trial.now;
@@ -177,7 +180,7 @@ fn a_modify_and_station_keeping_never_stand_together() {
     trial.ask(1, [Request::Station(station(5))]);
     trial.run_for(0.3);
     assert!(trial.rejection(5).contains("higher priority steers"));
-    // The same plugin: the newest.
+    // Of the requests of the same plugin the newest counts.
     trial.ask(0, [Request::Station(station(6))]);
     trial.run_for(0.3);
     assert_eq!(shorts(&trial.states(6)), ["sent", "accepted"]);
@@ -185,7 +188,7 @@ fn a_modify_and_station_keeping_never_stand_together() {
 }
 
 #[test]
-fn sr_014_without_control_only_the_end_of_station_keeping_leaves() {
+fn sr_014_without_control_no_request_for_station_keeping_leaves() {
     let mut trial = hovering();
     let start = trial.now;
     trial.ask(0, [Request::EndStation]);
@@ -197,7 +200,7 @@ fn sr_014_without_control_only_the_end_of_station_keeping_leaves() {
 }
 
 #[test]
-fn sr_005_station_keeping_needs_a_grant_arms_a_table_and_figures_within_the_limits() {
+fn sr_005_station_keeping_needs_a_grant_an_armed_runtime_a_table_and_figures_within_the_limits() {
     let mut trial = hovering();
     let bad = [
         (
@@ -226,7 +229,7 @@ fn sr_005_station_keeping_needs_a_grant_arms_a_table_and_figures_within_the_limi
                 speed_mps: Some(f64::NAN),
                 ..station(4)
             },
-            "speed of station keeping is no finite number",
+            "speed of station keeping is not a finite number",
         ),
         (
             StationRequest {
@@ -237,7 +240,7 @@ fn sr_005_station_keeping_needs_a_grant_arms_a_table_and_figures_within_the_limi
         ),
         (
             to_bottom(6, 0.0, 0.0, VerticalRequest::DepthM(f64::NAN)),
-            "depth is no finite number",
+            "depth is not a finite number",
         ),
         (
             to_bottom(7, 0.0, 0.0, VerticalRequest::DepthM(-1.0)),
@@ -245,11 +248,11 @@ fn sr_005_station_keeping_needs_a_grant_arms_a_table_and_figures_within_the_limi
         ),
         (
             to_bottom(8, f64::NAN, 0.0, VerticalRequest::DepthM(20.0)),
-            "x is no finite number",
+            "x is not a finite number",
         ),
         (
             to_hull(9, 0.0, f64::INFINITY, 5.0),
-            "vertical position is no finite number",
+            "vertical position is not a finite number",
         ),
         (to_hull(10, 1e300, 5.0, 5.0), "beyond hull_box's horizontal_max_m 50"),
     ];

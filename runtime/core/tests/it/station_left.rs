@@ -1,4 +1,4 @@
-//! One station after the other, and station keeping under a GPS hit.
+//! One station keeping after another, and station keeping during a GPS hit.
 
 use std::time::Duration;
 
@@ -52,7 +52,7 @@ fn the_way_back_to_where_the_mission_was_suspended_leads_through_the_screw() {
 }
 
 #[test]
-fn sr_002_a_mission_that_has_not_gone_on_stands_where_it_was_suspended_first() {
+fn sr_002_a_mission_that_has_not_gone_on_is_still_suspended_at_its_first_place() {
     let mut trial = moved_aside();
     trial.ask(0, [Request::EndStation]);
     trial.run_for(0.3);
@@ -61,7 +61,7 @@ fn sr_002_a_mission_that_has_not_gone_on_stands_where_it_was_suspended_first() {
 }
 
 #[test]
-fn sr_002_over_a_lost_link_a_mission_may_stand_where_it_was_suspended() {
+fn sr_002_after_a_link_loss_a_mission_may_still_be_suspended_at_its_first_place() {
     let mut trial = moved_aside();
     trial.vehicle.replays = false;
     trial.cut();
@@ -74,7 +74,7 @@ fn sr_002_over_a_lost_link_a_mission_may_stand_where_it_was_suspended() {
 }
 
 #[test]
-fn sr_002_nothing_is_held_while_a_gps_hit_is_flown() {
+fn sr_002_station_keeping_is_rejected_while_a_gps_hit_is_flown() {
     let mut setup = setup(Some(station_limits()));
     setup.fence = course::harbour();
     for plugin in &mut setup.plugins {

@@ -1,5 +1,5 @@
-//! Random hovering vehicles, links, plugins and operators. The trial's judge holds the cadence of station keeping, its
-//! rate, its control and its order with modifies; here is what else must hold however the run went.
+//! Random hovering vehicles, links, plugins and operators. The trial's judge checks the cadence of station keeping, its
+//! rate, its control and its order with modifies. The test here checks what else must hold in every run.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -24,7 +24,7 @@ enum Act {
     Wait(u64),
     Ask(usize, Vec<Request>),
     Replies(&'static str, Reply),
-    /// So far from where it was.
+    /// The vehicle drifts by this much.
     Drift([f64; 3]),
     Back,
     Hull(bool),
@@ -156,8 +156,8 @@ fn play(trial: &mut Trial, acts: Vec<Act>) {
     }
 }
 
-/// No move to where the vehicle may not be; none without the speed limit that was asked for; the vehicle's own limit
-/// before each BPRES.
+/// Checks that no move leads to a forbidden place or leaves without a speed limit of at most 0.5 m/s, and that the
+/// vehicle's own limit is set before each BPRES.
 fn moves_are_bounded(trial: &Trial) {
     let mut limit_mps = 1.5;
     for (at, seen) in &trial.seen {

@@ -1,4 +1,4 @@
-//! What the vehicle goes back to, or on to, from where it has been led.
+//! The ways back, and the ways on, from the place to which the vehicle was led.
 
 use std::collections::BTreeSet;
 
@@ -13,22 +13,22 @@ use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::{Reply, name_of};
 
 #[test]
-fn sr_002_what_an_insert_has_interrupted_may_be_taken_up_from_where_a_modify_has_led() {
+fn sr_002_the_way_back_from_a_modify_to_the_leg_that_an_insert_has_interrupted_is_checked() {
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(700.0, -1300.0);
     trial.run_for(2.0);
     accepted(&mut trial, at_once(line(1, EAST.0, EAST.1)), 1);
     ends(&mut trial, Some(1), None);
     begins(&mut trial, None, Some(1));
-    // Straight north of here, abeam, lies the leg that was interrupted, and between them the wreck.
+    // The interrupted leg lies straight north of here, abeam, and the wreck lies between.
     led_to(&mut trial, 100.0, -1500.0);
     refused_for(&mut trial, Request::Modify(modify(9)), 9, "wreck");
 }
 
 #[test]
-fn sr_002_sr_020_the_way_back_to_an_interrupted_insert_is_judged_before_what_interrupts_is_cancelled() {
+fn sr_002_sr_020_the_way_back_to_an_interrupted_insert_is_checked_before_the_interrupting_one_is_cancelled() {
     let mut trial = Trial::under_way();
-    // East of the wreck, from the south to the north.
+    // This insert leads from south to north, east of the wreck.
     accepted(
         &mut trial,
         Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))),
@@ -36,7 +36,7 @@ fn sr_002_sr_020_the_way_back_to_an_interrupted_insert_is_judged_before_what_int
     );
     begins(&mut trial, None, Some(1));
     led_to(&mut trial, 900.0, -350.0);
-    // North of the wreck, from the west to the east.
+    // This insert leads from west to east, north of the wreck.
     accepted(&mut trial, at_once(line(2, (-700.0, -500.0), (700.0, -500.0))), 2);
     ends(&mut trial, None, Some(1));
     begins(&mut trial, None, Some(2));
@@ -50,7 +50,7 @@ fn sr_002_sr_020_the_way_back_to_an_interrupted_insert_is_judged_before_what_int
 }
 
 #[test]
-fn sr_019_an_insert_that_is_interrupted_without_a_word_is_open_still() {
+fn sr_019_an_insert_that_is_interrupted_without_a_bfmbe_stays_open() {
     let limits = Limits {
         inserts_open_max: 2,
         ..limits()
@@ -62,7 +62,7 @@ fn sr_019_an_insert_that_is_interrupted_without_a_word_is_open_still() {
     accepted(&mut trial, good_line(1), 1);
     begins(&mut trial, None, Some(1));
     accepted(&mut trial, interrupting(2), 2);
-    // It has not ended: it is interrupted (SPI 6.10), and may be taken up again.
+    // The insert has not ended: it is interrupted (SPI 6.10), and the vehicle may resume it.
     begins(&mut trial, None, Some(2));
     assert_eq!(
         shorts(&trial.states(1)).last(),
@@ -73,7 +73,7 @@ fn sr_019_an_insert_that_is_interrupted_without_a_word_is_open_still() {
 }
 
 #[test]
-fn sr_002_the_way_on_from_an_interrupt_leads_to_another_payloads_insert_too() {
+fn sr_002_the_way_on_from_an_interrupting_insert_to_another_payloads_insert_is_checked() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((1, EastNorth::new(900.0, 0.0)));
     trial.vehicle.start = EastNorth::new(400.0, 0.0);
@@ -88,18 +88,18 @@ fn sr_002_the_way_on_from_an_interrupt_leads_to_another_payloads_insert_too() {
 }
 
 #[test]
-fn sr_010_an_insert_of_another_payload_is_not_interrupted() {
+fn sr_010_another_payloads_insert_is_not_interrupted() {
     let mut trial = Trial::under_way();
     begins(&mut trial, None, Some(40));
     refused_for(&mut trial, interrupting(1), 1, "interrupt");
 }
 
 #[test]
-fn sr_002_an_insert_of_another_payload_that_the_plan_does_not_name_is_not_modified() {
+fn sr_002_another_payloads_insert_that_the_plan_does_not_name_is_not_modified() {
     let mut trial = Trial::under_way();
-    // After the plan was asked for another payload has had it inserted.
+    // Another payload inserted it after core had asked for the plan.
     begins(&mut trial, None, Some(40));
-    refused_for(&mut trial, turn(9, 90.0), 9, "not in its plan");
+    refused_for(&mut trial, turn(9, 90.0), 9, "neither in the plan nor an open insert");
 }
 
 fn beside_the_plan() -> Trial {
@@ -111,15 +111,15 @@ fn beside_the_plan() -> Trial {
 }
 
 #[test]
-fn sr_002_a_planned_behavior_that_the_plan_does_not_tell_of_is_not_modified() {
+fn sr_002_a_planned_behavior_that_is_missing_from_the_plan_is_not_modified() {
     let mut trial = beside_the_plan();
-    // Between here and all of the plan lies the wreck.
+    // The wreck lies between here and the whole plan.
     led_to(&mut trial, 0.0, -1300.0);
     refused_for(&mut trial, Request::Modify(modify(9)), 9, "");
 }
 
 #[test]
-fn sr_002_after_a_planned_behavior_that_the_plan_does_not_tell_of_any_may_come() {
+fn sr_002_after_a_planned_behavior_that_is_missing_from_the_plan_any_other_may_come() {
     let mut trial = beside_the_plan();
     led_to(&mut trial, 0.0, -1300.0);
     refused_for(
@@ -131,8 +131,9 @@ fn sr_002_after_a_planned_behavior_that_the_plan_does_not_tell_of_any_may_come()
 }
 
 #[test]
-fn sr_002_a_way_to_a_leg_that_runs_along_another_is_still_to_be_kept_in_mind() {
-    // Its last leg leads past the place where it begins, 23 degrees off the way from there to its first point.
+fn sr_002_the_transit_to_the_first_leg_counts_even_if_it_runs_along_another_leg() {
+    // The last leg of the plan passes the place where the behavior begins, 23 degrees off the way from there to its
+    // first point.
     let led_off = |last: [(f64, f64); 2]| {
         const WAY_DEG: f64 = 36.5;
         let mut trial = Trial::new();
@@ -190,7 +191,7 @@ fn sr_002_a_way_to_a_leg_that_runs_along_another_is_still_to_be_kept_in_mind() {
 }
 
 #[test]
-fn sr_002_a_circle_may_be_entered_as_far_aside_as_a_line_touches_it() {
+fn sr_002_the_entry_of_a_circle_may_lie_as_far_aside_as_a_tangent_touches_it() {
     let led_off = |entry_angle_deg| {
         let mut trial = Trial::new();
         trial.vehicle.start = EastNorth::new(571.0, -4.0);
@@ -205,14 +206,15 @@ fn sr_002_a_circle_may_be_entered_as_far_aside_as_a_line_touches_it() {
         led_to(&mut trial, -1725.0, -4.0);
         trial
     };
-    // It begins at (575, -4), 2 m west of the circle. A rim point at the entry angle 330 is 58 degrees to the left of the
-    // circle's middle as seen from there (it may be 76): abeam of here the way to it is in the midst of the wreck.
+    // The circle begins when the vehicle is at (575, -4), 2 m west of its rim. As seen from there, the rim point at the
+    // entry angle 330 is 58 degrees to the left of the circle's middle (up to 76 are possible). The line of the way to
+    // it, where it is abeam of here, is in the middle of the wreck.
     refused_for(&mut led_off(Some(330.0)), Request::Modify(modify(8)), 8, "wreck");
     refused_for(&mut led_off(None), Request::Modify(modify(9)), 9, "wreck");
 }
 
 #[test]
-fn sr_002_an_insert_that_waits_is_called_back_where_its_way_on_no_longer_holds() {
+fn sr_002_a_waiting_insert_is_called_back_when_its_way_on_is_no_longer_good() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
     trial.run_for(2.0);
@@ -221,35 +223,35 @@ fn sr_002_an_insert_that_waits_is_called_back_where_its_way_on_no_longer_holds()
     ends(&mut trial, Some(1), None);
     begins(&mut trial, Some(2), None);
     trial.run_for(5.0);
-    // Asked for now, it does not hold.
+    // If it were requested now, it would be rejected.
     refused_for(&mut trial, asked(2), 2, "wreck");
     assert_eq!(trial.sent("RCN").len(), 1, "it was not called back");
 }
 
-/// From its end what comes next lies to the north, and the leg to the north-west, behind the wreck.
+/// From its end the next behavior lies to the north. The leg lies to the north-west, behind the wreck.
 fn beside_the_wreck(tag: u64) -> Request {
     Request::Trackline(line(tag, (700.0, -1200.0), (700.0, -1800.0)))
 }
 
-/// Far from the wreck.
+/// An interrupting insert far from the wreck.
 fn by_the_leg(tag: u64) -> Request {
     at_once(line(tag, (-300.0, 200.0), (0.0, 200.0)))
 }
 
 #[test]
-fn sr_002_what_interrupts_is_refused_where_an_insert_that_waits_has_no_way_back_to_what_is_interrupted() {
+fn sr_002_an_interrupting_insert_is_refused_if_a_waiting_one_has_no_way_back_to_the_interrupted_leg() {
     let mut trial = Trial::under_way();
     accepted(&mut trial, beside_the_wreck(1), 1);
     refused_for(&mut trial, by_the_leg(2), 2, "wreck");
     trial.ask(0, [Request::Cancel(1)]);
     trial.run_for(1.0);
     accepted(&mut trial, by_the_leg(3), 3);
-    // Now the leg may be taken up again.
+    // Now the vehicle may go back to the leg.
     refused_for(&mut trial, beside_the_wreck(4), 4, "wreck");
 }
 
 #[test]
-fn sr_002_sr_020_the_way_back_to_the_line_of_an_interrupted_leg_is_judged_before_an_insert_is_cancelled() {
+fn sr_002_sr_020_the_way_back_to_the_line_of_an_interrupted_leg_is_checked_before_an_insert_is_cancelled() {
     let mut trial = Trial::new();
     // The leg begins at (700, 0).
     trial.vehicle.moved = Some((1, EastNorth::new(1300.0, 0.0)));
@@ -268,7 +270,7 @@ fn sr_002_sr_020_the_way_back_to_the_line_of_an_interrupted_leg_is_judged_before
     accepted(&mut trial, at_once(line(3, (900.0, 200.0), (1200.0, 200.0))), 3);
     ends(&mut trial, Some(1), None);
     begins(&mut trial, None, Some(3));
-    // From the end of the first the way to the start of the leg is clear, and the one to its line is not.
+    // From the end of the first insert the way to the start of the leg is clear, but the way to its line is not.
     trial.ask(0, [Request::Cancel(2)]);
     trial.run_for(0.5);
     let states = format!("{:?}", trial.cancel_states(2));
@@ -276,7 +278,7 @@ fn sr_002_sr_020_the_way_back_to_the_line_of_an_interrupted_leg_is_judged_before
 }
 
 #[test]
-fn sr_002_an_insert_that_waits_is_called_back_where_another_payload_interrupts() {
+fn sr_002_a_waiting_insert_is_called_back_when_another_payload_interrupts() {
     let mut trial = Trial::new();
     trial.vehicle.others = vec![(40, (500.0, 100.0))];
     trial.run_for(2.0);
@@ -287,7 +289,7 @@ fn sr_002_an_insert_that_waits_is_called_back_where_another_payload_interrupts()
 }
 
 #[test]
-fn sr_002_the_last_insert_that_stays_is_called_back_for_its_way_on_too() {
+fn sr_002_the_last_remaining_insert_is_also_called_back_if_its_way_on_is_no_longer_good() {
     let failing = PluginSetup {
         on_failure: FailAction::Cancel,
         ..plugin("second")
@@ -317,7 +319,7 @@ fn sr_002_the_last_insert_that_stays_is_called_back_for_its_way_on_too() {
 }
 
 #[test]
-fn sr_002_the_turn_away_from_a_slow_modify_may_be_as_wide_as_the_plan_is_fast() {
+fn sr_002_the_turn_away_from_a_slow_modify_is_checked_at_the_speed_of_the_plan() {
     let at_edge = |speed_mps: f64| {
         let mut trial = Trial::new();
         // The plan is flown at 2 m/s.
@@ -325,7 +327,7 @@ fn sr_002_the_turn_away_from_a_slow_modify_may_be_as_wide_as_the_plan_is_fast() 
         trial.vehicle.speed_mps = 2.0;
         trial.vehicle.start = EastNorth::new(1500.0, -200.0);
         trial.run_for(5.0);
-        // A modify has slowed it down.
+        // A modify has slowed the vehicle down.
         trial.vehicle.speed_mps = speed_mps;
         trial.vehicle.start = EastNorth::new(1948.0, 0.0);
         trial.run_for(12.0);
@@ -343,10 +345,10 @@ fn sr_002_the_turn_away_from_a_slow_modify_may_be_as_wide_as_the_plan_is_fast() 
 }
 
 #[test]
-fn sr_002_the_way_on_from_a_slow_insert_may_be_flown_faster() {
+fn sr_002_the_way_on_from_a_slow_insert_is_checked_at_the_speed_of_the_plan() {
     let asked = |speed_mps| {
         let mut trial = Trial::under_way();
-        // Beside the eastern edge to the north; what comes next is behind it.
+        // The insert leads north beside the eastern edge. The next behavior lies behind it.
         let by = TracklineRequest {
             speed_mps,
             ..line(1, (1946.0, 600.0), (1946.0, 900.0))
@@ -363,7 +365,7 @@ fn sr_002_the_way_on_from_a_slow_insert_may_be_flown_faster() {
 }
 
 #[test]
-fn sr_002_the_depth_of_an_insert_is_not_the_plans() {
+fn sr_002_the_depth_of_an_insert_does_not_count_as_that_of_the_plan() {
     let after = |seconds: f64| {
         let mut trial = Trial::with(Setup {
             fence: course::harbour(),
@@ -380,13 +382,13 @@ fn sr_002_the_depth_of_an_insert_is_not_the_plans() {
         led_to(&mut trial, 1000.0, 600.0);
         trial
     };
-    // What comes next is at (1000, 0), south of the shoals that are to be kept out of above 5 m.
+    // The next behavior is at (1000, 0), south of the shoals, a keep-out zone down to 5 m.
     refused_for(&mut after(9.0), Request::Modify(modify(8)), 8, "shoals");
     refused_for(&mut after(2.0), Request::Modify(modify(9)), 9, "shoals");
 }
 
 #[test]
-fn sr_002_the_depth_of_another_payloads_insert_nobody_knows() {
+fn sr_002_the_depth_of_another_payloads_insert_is_unknown() {
     let mut trial = Trial::with(Setup {
         fence: course::harbour(),
         ..Setup::default()
@@ -398,8 +400,8 @@ fn sr_002_the_depth_of_another_payloads_insert_nobody_knows() {
 }
 
 #[test]
-fn sr_002_an_insert_that_the_vehicle_would_not_take_back_may_be_gone_from_before_the_next() {
-    // From the leg the wreck lies before the start of the second, and from the end of the first it does not.
+fn sr_002_an_insert_whose_cancel_was_refused_may_no_longer_come_before_the_next_one() {
+    // The wreck bars the way from the leg to the start of the second insert, but not the way from the end of the first.
     let first = || Request::Trackline(line(1, (800.0, -300.0), (800.0, -1500.0)));
     let second = || Request::Trackline(line(2, (0.0, -1500.0), (500.0, -1500.0)));
     let mut trial = Trial::under_way();

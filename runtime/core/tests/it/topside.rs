@@ -26,7 +26,7 @@ fn under_way() -> Trial {
 }
 
 #[test]
-fn a_text_is_sent_as_it_stands_and_has_ended_once_the_vehicle_has_queued_it() {
+fn a_text_is_sent_unchanged_and_ends_once_the_vehicle_has_queued_it() {
     for (reply, states) in [
         (Reply::Ok, vec!["sent", "accepted", "ended"]),
         (
@@ -49,7 +49,7 @@ fn a_text_is_sent_as_it_stands_and_has_ended_once_the_vehicle_has_queued_it() {
 }
 
 #[test]
-fn sr_009_a_refused_text_has_failed_and_an_unanswered_one_has_timed_out() {
+fn sr_009_a_refused_text_fails_and_an_unanswered_one_times_out() {
     let ends = [
         (
             Reply::Refuse,
@@ -62,7 +62,7 @@ fn sr_009_a_refused_text_has_failed_and_an_unanswered_one_has_timed_out() {
         (Reply::Nak, RequestState::Failed(Failure::Vehicle("as told".to_owned()))),
         (Reply::Silent, RequestState::TimedOut),
         (Reply::PendingForEver, RequestState::TimedOut),
-        // Late: it changes nothing.
+        // A late answer changes nothing.
         (
             Reply::Late(Duration::from_secs(3), AckStatus::Succeeded),
             RequestState::TimedOut,
@@ -80,7 +80,7 @@ fn sr_009_a_refused_text_has_failed_and_an_unanswered_one_has_timed_out() {
 }
 
 #[test]
-fn sr_009_a_text_whose_answer_was_lost_with_the_link_has_timed_out_and_is_not_sent_again() {
+fn sr_009_a_text_whose_answer_was_lost_with_the_link_times_out_and_is_not_sent_again() {
     for reply in [Reply::Silent, Reply::PendingForEver] {
         let mut trial = under_way();
         trial.vehicle.replies.insert("TOP", reply);
@@ -97,7 +97,7 @@ fn sr_009_a_text_whose_answer_was_lost_with_the_link_has_timed_out_and_is_not_se
 }
 
 #[test]
-fn an_answer_that_comes_twice_changes_nothing() {
+fn a_repeated_answer_changes_nothing() {
     let mut trial = under_way();
     trial
         .vehicle
@@ -109,7 +109,7 @@ fn an_answer_that_comes_twice_changes_nothing() {
 }
 
 #[test]
-fn a_text_that_cannot_be_sent_as_it_stands_is_refused_and_not_mended() {
+fn a_text_that_cannot_be_sent_unchanged_is_rejected_and_not_altered() {
     let mut trial = under_way();
     let long = "x".repeat(201);
     let bad = [
@@ -136,14 +136,14 @@ fn a_text_that_cannot_be_sent_as_it_stands_is_refused_and_not_mended() {
         assert!(!reason.contains(['\n', '\r']));
     }
     assert!(trial.sent("TOP").is_empty());
-    // Nothing of the minute's number is used up.
+    // The rejected texts do not count under the limit of a minute.
     trial.ask(0, [text(20, &"x".repeat(200)), text(21, "0123456789ABCDEF")]);
     trial.run_for(0.2);
     assert_eq!(trial.sent("TOP").len(), 2);
 }
 
 #[test]
-fn sr_019_no_minute_has_more_texts_than_the_mission_allows() {
+fn sr_019_the_number_of_texts_a_minute_is_capped() {
     let mut trial = under_way();
     for plugin in 0..2 {
         trial.script(plugin, |_| (Duration::from_millis(1), Ok(vec![text(1, "again")])));
@@ -184,7 +184,7 @@ fn sr_001_a_text_needs_the_grant_control_and_an_armed_runtime() {
 }
 
 #[test]
-fn what_was_sent_comes_to_its_outcome_whatever_becomes_of_control_and_plugin() {
+fn a_sent_text_gets_its_outcome_even_if_control_or_its_plugin_is_lost() {
     type Act = fn(&mut Trial);
     let acts: [Act; 3] = [
         |trial| trial.operator(Operator::Hold),
@@ -207,7 +207,7 @@ fn what_was_sent_comes_to_its_outcome_whatever_becomes_of_control_and_plugin() {
 }
 
 #[test]
-fn a_message_from_the_topside_reaches_those_who_listen_and_the_log() {
+fn a_message_from_the_topside_reaches_the_subscribed_plugins_and_the_log() {
     let mut setup = setup();
     setup.plugins[1].description.topics.clear();
     let mut trial = Trial::with_under_way(setup);

@@ -1,5 +1,5 @@
 //! The driver of a trial: core, vehicle, link and plugins in virtual time, everything that core puts out with its time,
-//! and a judge that holds each sentence against what the vehicle has said.
+//! and a judge that compares each sentence with what the vehicle has said.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -19,12 +19,12 @@ use crate::course;
 use crate::judge::Judge;
 use crate::vehicle::{Vehicle, name_of};
 
-/// What came out of core, or in from the vehicle.
+/// An output of core.
 #[expect(clippy::large_enum_variant, reason = "a record of a test")]
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Seen {
     Sent(ToVehicle),
-    /// To an external source.
+    /// Bytes to an external source.
     Told(usize, Vec<u8>),
     Note(Note),
     Connect(Duration),
@@ -38,7 +38,7 @@ pub(crate) enum Seen {
 /// A plugin's behavior in a step: how long it takes and what it returns.
 pub(crate) type Script = Box<dyn FnMut(&StepInput) -> (Duration, Result<Vec<Request>, PluginFault>)>;
 
-/// What becomes of bytes on their way.
+/// Changes bytes on their way.
 pub(crate) type Way = Box<dyn FnMut(Vec<u8>) -> Vec<u8>>;
 
 enum Answer {
@@ -59,22 +59,22 @@ pub(crate) struct Trial {
     pub(crate) seen: Vec<(Timestamp, Seen)>,
     /// What was written to the vehicle, as it was written.
     pub(crate) written: Vec<String>,
-    /// From the vehicle to core, and back where nothing else is said.
+    /// The delay from the vehicle to core, and also the other way unless `delay_to_vehicle` is set.
     pub(crate) delay: Duration,
-    /// From core to the vehicle.
+    /// The delay from core to the vehicle.
     pub(crate) delay_to_vehicle: Option<Duration>,
     /// The vehicle reads nothing: what is sent to it waits.
     pub(crate) deaf: bool,
-    /// What the vehicle says arrives no earlier.
+    /// The vehicle's messages arrive no earlier than this.
     pub(crate) stalled_until: Timestamp,
-    /// Core is not called earlier.
+    /// Core is not called earlier than this.
     pub(crate) asleep_until: Timestamp,
-    /// How many bytes a read has at most.
+    /// The most bytes that one read returns.
     pub(crate) read_max: usize,
     /// Connections fail.
     pub(crate) unreachable: bool,
     pub(crate) restart_fails: Option<FaultKind>,
-    /// What becomes of bytes on their way to core.
+    /// Changes the bytes on their way to core.
     pub(crate) way: Option<Way>,
     to_core: VecDeque<Arrival>,
     to_vehicle: VecDeque<(Timestamp, Vec<u8>)>,
@@ -88,7 +88,7 @@ pub(crate) struct Trial {
 }
 
 pub(crate) struct Setup {
-    /// One with the frame of [`course::fence`].
+    /// A fence with the frame of [`course::fence`].
     pub(crate) fence: Fence,
     pub(crate) limits: Limits,
     pub(crate) settings: Settings,
@@ -119,7 +119,7 @@ impl Default for Setup {
     }
 }
 
-/// Those of a vehicle that reads a circle's entry angle.
+/// The settings for a vehicle that reads a circle's entry angle.
 pub(crate) fn settings() -> Settings {
     Settings {
         trackcircle_entry_angle: Some(true),
@@ -128,7 +128,8 @@ pub(crate) fn settings() -> Settings {
 }
 
 impl Setup {
-    /// After a process that has used the identifiers 1 to 9, these of them for what the mission caps.
+    /// The start after a process that used the identifiers 1 to 9, this many of them for inserts and GPS hits under the
+    /// mission's caps.
     pub(crate) fn after(self, inserts: u32, gps_hits: u32) -> Self {
         let identifiers = Some(Identifiers {
             next: 10,
@@ -201,7 +202,7 @@ impl Trial {
         trial
     }
 
-    /// As [`Trial::under_way`], and the first plugin steers under tag 1.
+    /// Like [`Trial::under_way`], and the first plugin steers under tag 1.
     pub(crate) fn steering() -> Self {
         let mut trial = Self::under_way();
         trial.ask(0, [Request::Modify(course::modify(1))]);
@@ -234,12 +235,12 @@ impl Trial {
         self.now = until;
     }
 
-    /// The link is gone, and all that was under way.
+    /// The link breaks, and everything on its way is lost.
     pub(crate) fn cut(&mut self) {
         self.to_core.clear();
         self.to_vehicle.clear();
         self.judge.up = false;
-        // A late wake-up is dealt with first: its BPEMB goes into a link that is not known to be gone.
+        // Core handles a late wake-up first: its BPEMB goes into a link that core does not yet know to be broken.
         self.feed(Input::LinkDown);
         self.judge.link(false);
     }
@@ -253,7 +254,7 @@ impl Trial {
         self.feed(Input::Operator(act));
     }
 
-    /// The vehicle says this now, which arrives in one read.
+    /// The vehicle sends these messages now, and they arrive in one read.
     pub(crate) fn hear_now(&mut self, messages: impl IntoIterator<Item = FromVehicle>) {
         let mut arrival = Arrival {
             at: self.now,
@@ -464,9 +465,9 @@ impl Trial {
             .push((self.now + after, plugin, Answer::Returned(returned)));
     }
 
-    // What a test asks of the record.
+    // What a test reads from the record.
 
-    /// When sentences of a name were sent, `RMB`.
+    /// When the sentences of a name such as `RMB` were sent.
     pub(crate) fn sent(&self, name: &str) -> Vec<Timestamp> {
         self.commands(name).into_iter().map(|(at, _)| at).collect()
     }
@@ -483,7 +484,7 @@ impl Trial {
         self.seen.iter().filter_map(named).collect()
     }
 
-    /// Our sentences since then, by their three letters.
+    /// The three letters of each of our sentences since then.
     pub(crate) fn names_since(&self, since: Timestamp) -> Vec<&'static str> {
         let named = |seen: &(Timestamp, Seen)| match &seen.1 {
             Seen::Sent(command) if seen.0 >= since => Some(name_of(command).0),
@@ -492,7 +493,7 @@ impl Trial {
         self.seen.iter().filter_map(named).collect()
     }
 
-    /// The states that the requests under a tag came to, cancels apart.
+    /// The states of the requests under a tag, except cancels.
     pub(crate) fn states(&self, tag: u64) -> Vec<RequestState> {
         self.states_of(tag, |kind| kind != RequestKind::Cancel)
     }
@@ -574,7 +575,7 @@ pub(crate) fn shorts(states: &[RequestState]) -> Vec<&'static str> {
     states.iter().map(short).collect()
 }
 
-/// The usual trial, its plugins granted these too and hearing these too.
+/// The usual setup, but the plugins have these grants and topics too.
 pub(crate) fn granted(grants: &[Grant], topics: &[Topic]) -> Setup {
     let mut setup = Setup::default();
     for plugin in &mut setup.plugins {
@@ -584,8 +585,8 @@ pub(crate) fn granted(grants: &[Grant], topics: &[Topic]) -> Setup {
     setup
 }
 
-/// The fields of the last line of a name that was written, its time of day left out, after a look at what every line has:
-/// a time with three decimals, a checksum of two upper-case digits, CRLF.
+/// The fields of the last line of this name that was written, without its time of day. Checks what every line must
+/// have: a time with three decimals, a checksum of two upper-case digits, CRLF.
 pub(crate) fn last_written(trial: &Trial, name: &str) -> Vec<String> {
     let start = format!("${name},");
     let line = trial.written.iter().rfind(|line| line.starts_with(&start)).unwrap();

@@ -1,4 +1,4 @@
-//! What the vehicle may fly though nobody has heard it: over a lost link, without an answer, after a killed process.
+//! What the vehicle may fly without core's knowledge: after a link loss, without an answer, after a killed process.
 
 use std::time::Duration;
 
@@ -12,32 +12,33 @@ use crate::scene::{EAST, WEST, accepted, at_once, begins, ends, led_to, outage, 
 use crate::trial::{Setup, Trial, granted, shorts};
 use crate::vehicle::Reply;
 
-/// Known: the planned leg is flown. From (-600, -1500) the way back to the leg's east leads over the wreck.
+/// For comparison: core knows that the planned leg is flown. From (-600, -1500) the way back to the leg's east leads
+/// over the wreck.
 #[test]
-fn where_the_plan_is_flown_the_way_back_leads_over_the_wreck() {
+fn while_the_plan_is_flown_the_way_back_leads_over_the_wreck() {
     let mut trial = Trial::under_way();
     led_to(&mut trial, -600.0, -1500.0);
     refused_for(&mut trial, Request::Modify(modify(9)), 9, "wreck");
 }
 
 #[test]
-fn sr_002_over_a_lost_link_an_insert_that_was_flown_may_have_ended() {
+fn sr_002_during_a_link_loss_the_flown_insert_may_have_ended() {
     let mut trial = Trial::under_way();
     accepted(&mut trial, at_once(line(1, WEST.0, WEST.1)), 1);
     ends(&mut trial, Some(1), None);
     begins(&mut trial, None, Some(1));
-    // While the link is down the insert ends and the plan goes on; the vehicle's plan has the insert no more.
+    // While the link is down, the insert ends and the plan goes on. The vehicle's plan no longer has the insert.
     trial.vehicle.inserted.remove(&1);
     outage(&mut trial);
     led_to(&mut trial, -600.0, -1500.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
 }
 
 #[test]
-fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_been_flown() {
+fn sr_002_during_a_link_loss_a_waiting_insert_may_have_been_flown() {
     let first = Request::Trackline(line(1, (-900.0, -1300.0), (-1200.0, -1300.0)));
     let second = || Request::Trackline(line(2, (-300.0, -1700.0), (-900.0, -1700.0)));
-    // Control: all is heard.
+    // For comparison: core hears everything.
     let mut trial = Trial::under_way();
     accepted(&mut trial, first.clone(), 1);
     begins(&mut trial, None, Some(1));
@@ -49,15 +50,15 @@ fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_been_flown() {
     accepted(&mut trial, first, 1);
     trial.vehicle.inserted.remove(&1);
     outage(&mut trial);
-    refused_for(&mut trial, second(), 2, "not heard");
+    refused_for(&mut trial, second(), 2, "current behavior unknown");
 }
 
 /// An insert that was accepted begins before the outage or during it.
 #[test]
-fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_begun() {
+fn sr_002_during_a_link_loss_a_waiting_insert_may_have_begun() {
     let flown = |heard: bool| {
         let mut trial = Trial::under_way();
-        // Its start is south-west of the wreck, and it leads along the wreck's south to the east.
+        // The insert starts south-west of the wreck, and leads east along the wreck's south.
         accepted(
             &mut trial,
             Request::Trackline(line(1, (-900.0, -1300.0), (900.0, -1300.0))),
@@ -70,12 +71,22 @@ fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_begun() {
         led_to(&mut trial, -500.0, -700.0);
         trial
     };
-    refused_for(&mut flown(true), Request::Modify(modify(8)), 8, "not heard");
-    refused_for(&mut flown(false), Request::Modify(modify(9)), 9, "not heard");
+    refused_for(
+        &mut flown(true),
+        Request::Modify(modify(8)),
+        8,
+        "current behavior unknown",
+    );
+    refused_for(
+        &mut flown(false),
+        Request::Modify(modify(9)),
+        9,
+        "current behavior unknown",
+    );
 }
 
 #[test]
-fn sr_002_over_a_lost_link_a_gps_hit_may_have_begun() {
+fn sr_002_during_a_link_loss_a_gps_hit_may_have_begun() {
     let setup = granted(&[Grant::Surface], &[]);
     let mut trial = Trial::with_under_way(Setup {
         fence: course::harbour(),
@@ -92,19 +103,20 @@ fn sr_002_over_a_lost_link_a_gps_hit_may_have_begun() {
 }
 
 #[test]
-fn sr_010_nothing_interrupts_what_may_have_begun_to_interrupt_over_a_lost_link() {
+fn sr_010_nothing_interrupts_an_interrupting_insert_that_may_have_begun_during_a_link_loss() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.ask(0, [interrupting(1)]);
     trial.run_for(0.5);
     trial.vehicle.replies.remove("RTK");
-    // It was begun during the outage, and the plan names what waits (SPI 6.20 does not say that it names what is flown).
+    // The insert began during the outage, and the plan names what waits (SPI 6.20 does not say that it names what is
+    // flown).
     outage(&mut trial);
     refused_for(&mut trial, interrupting(2), 2, "interrupt");
 }
 
 #[test]
-fn sr_009_a_plan_says_nothing_of_an_insert_that_the_vehicle_may_not_have_decided_on() {
+fn sr_009_a_plan_proves_nothing_about_an_insert_on_which_the_vehicle_may_not_have_decided() {
     let mut trial = Trial::under_way();
     trial
         .vehicle
@@ -113,7 +125,7 @@ fn sr_009_a_plan_says_nothing_of_an_insert_that_the_vehicle_may_not_have_decided
     trial.ask(0, [interrupting(1)]);
     trial.run_for(0.2);
     trial.cut();
-    // It will be accepted on 1.9 s after it was asked for (SPI 4.4), and begins at once.
+    // The vehicle accepts the insert 1.9 s after the request (SPI 4.4), and begins it at once.
     trial.run_for(1.2);
     assert!(trial.is_connected());
     assert_ne!(
@@ -125,7 +137,7 @@ fn sr_009_a_plan_says_nothing_of_an_insert_that_the_vehicle_may_not_have_decided
 }
 
 #[test]
-fn sr_002_an_insert_that_was_not_answered_may_be_what_a_modify_leads_back_to() {
+fn sr_002_the_way_back_from_a_modify_to_an_unanswered_insert_is_checked() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.vehicle.replies.insert("RCN", Reply::Silent);
@@ -137,7 +149,7 @@ fn sr_002_an_insert_that_was_not_answered_may_be_what_a_modify_leads_back_to() {
 }
 
 #[test]
-fn sr_002_an_insert_that_was_not_answered_and_is_flown_is_not_modified() {
+fn sr_002_an_unanswered_insert_that_is_flown_is_not_modified() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.vehicle.replies.insert("RCN", Reply::Refuse);
@@ -149,7 +161,7 @@ fn sr_002_an_insert_that_was_not_answered_and_is_flown_is_not_modified() {
 }
 
 #[test]
-fn sr_002_an_insert_that_was_refused_and_is_flown_is_not_modified() {
+fn sr_002_a_refused_insert_that_is_flown_is_not_modified() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Refuse);
     trial.ask(0, [Request::Trackline(line(1, EAST.0, EAST.1))]);
@@ -161,7 +173,7 @@ fn sr_002_an_insert_that_was_refused_and_is_flown_is_not_modified() {
 }
 
 #[test]
-fn sr_002_the_way_on_from_an_interrupt_leads_to_what_was_not_answered_too() {
+fn sr_002_the_way_on_from_an_interrupting_insert_to_an_unanswered_one_is_checked() {
     let ask = |reply| {
         let mut trial = Trial::under_way();
         trial.vehicle.replies.insert("RTK", reply);
@@ -171,14 +183,14 @@ fn sr_002_the_way_on_from_an_interrupt_leads_to_what_was_not_answered_too() {
         trial.vehicle.replies.remove("RTK");
         trial
     };
-    // It ends in the west of the wreck; the first one begins in the south-east of it.
+    // The second insert ends west of the wreck, and the first one begins south-east of it.
     let second = || at_once(line(2, (-700.0, -800.0), (-400.0, -800.0)));
     refused_for(&mut ask(Reply::Ok), second(), 2, "wreck");
     refused_for(&mut ask(Reply::Silent), second(), 2, "wreck");
 }
 
 #[test]
-fn sr_002_after_a_planned_behavior_has_ended_it_is_not_known_which_is_flown_until_one_begins() {
+fn sr_002_after_the_end_of_a_planned_behavior_the_current_one_is_unknown_until_one_begins() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
     trial.run_for(2.0);
@@ -187,11 +199,11 @@ fn sr_002_after_a_planned_behavior_has_ended_it_is_not_known_which_is_flown_unti
     begins(&mut trial, Some(2), None);
     trial.way = None;
     led_to(&mut trial, 600.0, -100.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
 }
 
 #[test]
-fn sr_002_of_what_was_lost_on_the_link_any_may_have_been_a_begin() {
+fn sr_002_any_sentence_that_was_lost_may_have_been_a_begin() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
     trial.run_for(2.0);
@@ -200,10 +212,10 @@ fn sr_002_of_what_was_lost_on_the_link_any_may_have_been_a_begin() {
     begins(&mut trial, Some(2), None);
     trial.way = None;
     led_to(&mut trial, 600.0, -100.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
 }
 
-/// Noise on the line: a bit of each such sentence is turned.
+/// Noise on the line: each such sentence gets one character too many, so that its checksum is wrong.
 fn damage(name: &'static str, part: &'static str) -> impl FnMut(Vec<u8>) -> Vec<u8> {
     move |bytes| {
         let text = String::from_utf8(bytes).unwrap();
@@ -223,7 +235,7 @@ fn successor(gps_hits: u32) -> Trial {
 }
 
 #[test]
-fn sr_002_a_gps_hit_of_a_killed_process_that_is_heard_to_begin_is_flown() {
+fn sr_002_a_gps_hit_of_a_killed_process_counts_as_flown_once_its_begin_is_heard() {
     let mut trial = successor(2);
     trial.run_for(2.0);
     // BFPLN has no code for a GPS hit, and the plan does not name it.
@@ -241,11 +253,11 @@ fn sr_002_a_gps_hit_of_a_killed_process_that_is_heard_to_begin_is_flown() {
 }
 
 #[test]
-fn sr_002_a_successor_does_not_know_what_the_vehicle_comes_back_to_until_it_goes_along_a_line() {
+fn sr_002_a_successor_knows_what_the_vehicle_comes_back_to_only_once_it_goes_along_a_line() {
     let mut trial = successor(0);
     trial.vehicle.replays = false;
     trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
-    // The behavior began at (-300, -1400), and a modify of the previous run has led it here.
+    // The behavior began at (-300, -1400), and a modify of the previous run has led the vehicle here.
     trial.vehicle.start = EastNorth::new(500.0, -1200.0);
     trial.run_for(1.0);
     let now = trial.now;

@@ -1,4 +1,4 @@
-//! The scripted vehicle: it flies a straight course, answers as it is told to, and says what the test has it say.
+//! The scripted vehicle: it flies a straight course, and answers and sends what the test says.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -19,21 +19,21 @@ pub(crate) enum Reply {
     Refuse,
     Pending(Duration, AckStatus),
     Late(Duration, AckStatus),
-    /// Pending again and again, and never settled.
+    /// Pending again and again, without an end.
     PendingForEver,
     /// Success at once, and this after a while.
     Twice(Duration, AckStatus),
     Silent,
-    /// As no command at all.
+    /// The answer to a line that is no command.
     Nak,
 }
 
-/// What becomes of navigation before it is said; false where the velocities are not.
+/// Changes navigation before it is sent. False means that the velocities are not sent.
 pub(crate) type Bend = Box<dyn FnMut(Timestamp, &mut Navigation, &mut VelocityAndRates) -> bool>;
 
 pub(crate) struct Vehicle {
     pub(crate) bend: Option<Bend>,
-    /// Its clock less the true one, nanoseconds.
+    /// The vehicle's clock less the true one, in nanoseconds.
     pub(crate) clock_nanos: i64,
     pub(crate) utc: Utc,
     pub(crate) start: EastNorth,
@@ -41,12 +41,12 @@ pub(crate) struct Vehicle {
     pub(crate) speed_mps: f64,
     pub(crate) depth_m: f64,
     pub(crate) altitude_m: Option<f64>,
-    /// Navigation's own error.
+    /// The error of navigation.
     pub(crate) jump: EastNorth,
     pub(crate) navigates: bool,
-    /// The solution's time stands still since then.
+    /// Since then the solution's time stands still.
     pub(crate) frozen: Option<Timestamp>,
-    /// Whether what it has said of control is said again to a new subscriber.
+    /// Whether a new subscriber receives the present control, mission status and behavior.
     pub(crate) replays: bool,
     pub(crate) control: bool,
     pub(crate) status: &'static str,
@@ -55,24 +55,24 @@ pub(crate) struct Vehicle {
     pub(crate) inserted: BTreeSet<u32>,
     /// Another payload's inserts that its plan names, with the place where each ends.
     pub(crate) others: Vec<(u32, (f64, f64))>,
-    /// A planned behavior that its plan has so far from where the course has it.
+    /// A planned behavior, and how far the vehicle's plan has it from where the course has it.
     pub(crate) moved: Option<(u32, EastNorth)>,
     pub(crate) subscribed: BTreeSet<String>,
-    /// It acknowledges what comes before it was asked to.
+    /// Whether the vehicle acknowledges what comes before the subscription of BFACK.
     pub(crate) answers_unasked: bool,
     /// When its clock has a leap second.
     pub(crate) leap_at: Option<Timestamp>,
-    /// Subscriptions that it does not hear, so often.
+    /// How many more subscriptions the vehicle does not hear.
     pub(crate) deaf_to_subscriptions: u32,
     /// How many decimals of a command's time its acknowledgements have.
     pub(crate) echo_decimals: u8,
     due: Vec<(Timestamp, FromVehicle)>,
     next_navigation: Timestamp,
-    /// Horizontal, vertical, distance: it says BFRNV.
+    /// Horizontal, vertical, distance: if set, the vehicle sends BFRNV.
     pub(crate) hull_m: Option<[f64; 3]>,
-    /// X and y: it says BFCNV.
+    /// X and y: if set, the vehicle sends BFCNV.
     pub(crate) bottom_m: Option<[f64; 2]>,
-    /// The solution of BFRNV stands still since then.
+    /// Since then the solution of BFRNV stands still.
     pub(crate) hull_frozen: Option<Timestamp>,
 }
 
@@ -146,7 +146,7 @@ impl Vehicle {
             .fold(self.next_navigation, Timestamp::min)
     }
 
-    /// What it says now, oldest first, with the true time of the solution where it is navigation.
+    /// What the vehicle sends now, with the true time of the solution if it is navigation.
     pub(crate) fn speak(&mut self, now: Timestamp) -> Vec<(FromVehicle, Option<Timestamp>)> {
         let (due, later): (Vec<_>, Vec<_>) = self.due.drain(..).partition(|(at, _)| *at <= now);
         self.due = later;
@@ -205,7 +205,7 @@ impl Vehicle {
         }
     }
 
-    /// BFRNV and BFCNV, where it says them.
+    /// BFRNV and BFCNV, if the vehicle sends them.
     fn relative_navigation(&self, now: Timestamp) -> impl Iterator<Item = FromVehicle> + use<> {
         let created = self.clock(now);
         let hull_m = self.hull_m.filter(|_| self.subscribed.contains("RNV"));
@@ -406,7 +406,7 @@ impl Vehicle {
     }
 }
 
-/// The three letters of a command and the identifier that it bears.
+/// The three letters of a command, and the identifier in it.
 pub(crate) fn name_of(command: &ToVehicle) -> (&'static str, Option<u32>) {
     let entry = catalogue().iter().find(|entry| entry.name == command.name());
     let name = &entry.unwrap_or_else(|| panic!("core sent {command:?}")).name[2..];

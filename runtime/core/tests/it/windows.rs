@@ -1,4 +1,5 @@
-//! Zones that are valid for a time: what counts is when a geometry may be flown, by our clock and the vehicle's.
+//! Zones that are valid for a time: what counts is when the vehicle may fly a geometry, by our clock and by the
+//! vehicle's.
 
 use std::time::Duration;
 
@@ -14,7 +15,7 @@ use crate::trial::{Setup, Trial, shorts};
 /// The trials' time zero, 2023-11-14T22:13:20Z.
 const START_S: u64 = 1_700_000_000;
 
-/// The time so many seconds after the start, as a fence's file has it.
+/// The time this many seconds after the start, in the format of a fence's file.
 fn rfc3339(after_s: u64) -> String {
     let of_day = START_S + after_s - 1_699_920_000;
     assert!(of_day < 2 * 86_400, "{after_s}");
@@ -27,7 +28,7 @@ fn rfc3339(after_s: u64) -> String {
     )
 }
 
-/// The box of the trials, with a window of its own, and a keep-out zone of another.
+/// The box of the trials with this window, and a keep-out zone with another.
 fn fence(of_box: &str, keep_out: Option<(&str, &str)>) -> Fence {
     let keep_out = keep_out.map_or(String::new(), |(ring, window)| {
         format!(
@@ -64,7 +65,7 @@ fn trial(fence: Fence) -> Trial {
     })
 }
 
-/// Asks and says what became of it: the refusal, or nothing where the vehicle has it.
+/// Asks, and returns the refusal, or nothing if the vehicle has accepted.
 fn ask(trial: &mut Trial, tag: u64, request: Request) -> Option<String> {
     trial.ask(0, [request]);
     trial.run_for(0.5);
@@ -76,7 +77,7 @@ fn ask(trial: &mut Trial, tag: u64, request: Request) -> Option<String> {
 }
 
 #[test]
-fn sr_002_an_insert_that_may_still_fly_when_a_keep_out_zone_opens_is_rejected_and_one_that_is_over_before_is_not() {
+fn sr_002_an_insert_that_may_be_flown_when_a_keep_out_zone_opens_is_rejected_and_one_that_ends_before_is_not() {
     // With its transit and its way on the insert takes some 55 min at most.
     let refusal = ask(&mut trial(opens_after(ON_THE_LINE, 600)), 1, interrupting(1)).unwrap();
     assert!(
@@ -87,7 +88,7 @@ fn sr_002_an_insert_that_may_still_fly_when_a_keep_out_zone_opens_is_rejected_an
         ask(&mut trial(opens_after(ON_THE_LINE, 3600)), 1, interrupting(1)),
         None
     );
-    // The same, asked for a quarter of an hour later.
+    // The same request, a quarter of an hour later.
     let mut later = trial(opens_after(ON_THE_LINE, 3600));
     later.run_for(900.0);
     let refusal = ask(&mut later, 1, interrupting(1)).unwrap();
@@ -99,30 +100,34 @@ fn sr_002_an_insert_that_may_still_fly_when_a_keep_out_zone_opens_is_rejected_an
 }
 
 #[test]
-fn sr_002_what_is_flown_before_an_insert_delays_it() {
-    // An interruption would be over in time; after the planned leg it is not.
+fn sr_002_the_behaviors_before_an_insert_delay_it() {
+    // An interrupting insert would be over in time; one after the planned leg is not.
     let fence = || opens_after(ON_THE_LINE, 3300);
     assert_eq!(ask(&mut trial(fence()), 1, interrupting(1)), None);
     assert!(ask(&mut trial(fence()), 1, good_line(1)).is_some());
-    // Nor after another insert.
+    // Neither is one after another insert.
     let mut behind = trial(opens_after(ON_THE_LINE, 4000));
     assert_eq!(ask(&mut behind, 1, good_line(1)), None);
     assert!(ask(&mut behind, 2, good_line(2)).is_some());
 }
 
 #[test]
-fn sr_002_after_a_behavior_whose_end_nobody_can_tell_every_zone_counts() {
+fn sr_002_every_zone_counts_after_a_behavior_whose_end_cannot_be_predicted() {
     let mut trial = trial(opens_after(ON_THE_LINE, 80_000));
     let now = trial.now;
-    // A single place: how long the vehicle is there, no sentence says.
+    // This behavior is a single place, and no sentence says how long the vehicle stays there.
     trial.vehicle.begin(now, Some(2), None);
     trial.run_for(0.5);
     assert!(ask(&mut trial, 1, good_line(1)).is_some());
-    assert_eq!(ask(&mut trial, 2, interrupting(2)), None, "at once can be told");
+    assert_eq!(
+        ask(&mut trial, 2, interrupting(2)),
+        None,
+        "the end of an interrupting insert can be predicted"
+    );
 }
 
 #[test]
-fn sr_002_a_keep_in_zone_that_closes_holds_only_what_is_over_before() {
+fn sr_002_a_keep_in_zone_that_closes_allows_only_what_ends_before() {
     let closes = |after_s| fence(&format!(r#","valid_until":"{}""#, rfc3339(after_s)), None);
     let refusal = ask(&mut trial(closes(600)), 1, interrupting(1)).unwrap();
     assert!(refusal.starts_with("time: "), "{refusal}");
@@ -154,7 +159,7 @@ fn sr_002_while_the_clocks_differ_by_over_a_minute_zones_with_a_window_count_at_
                 ..Setup::default()
             });
             trial.vehicle.clock_nanos = clock_s * 1_000_000_000;
-            // The clocks' difference is no time at which the zones begin or end.
+            // By then no zone begins or ends within the difference of the clocks.
             trial.run_for(120.0);
             let refusal = ask(&mut trial, 1, interrupting(1));
             assert_eq!(refusal.is_none(), known, "{clock_s} s: {refusal:?}");
@@ -163,12 +168,12 @@ fn sr_002_while_the_clocks_differ_by_over_a_minute_zones_with_a_window_count_at_
 }
 
 #[test]
-fn sr_002_zones_follow_a_computers_clock_that_is_set_after_the_start_and_stamps_do_not() {
+fn sr_002_zones_follow_our_clock_when_it_is_set_after_the_start_but_the_times_in_messages_do_not() {
     let opens = fence(&format!(r#","valid_from":"{}""#, rfc3339(600)), None);
     let mut trial = trial(opens);
     let refusal = ask(&mut trial, 1, interrupting(1)).unwrap();
     assert!(refusal.starts_with("time: "), "{refusal}");
-    // Both clocks had been 700 s behind, and are set.
+    // Both clocks were 700 s behind, and are set now.
     let ahead = 700_000_000_000;
     trial.vehicle.clock_nanos += ahead;
     trial.feed(Input::UtcSet(ahead));
@@ -182,7 +187,7 @@ fn sr_002_zones_follow_a_computers_clock_that_is_set_after_the_start_and_stamps_
         _ => false,
     };
     assert!(trial.notes().iter().any(told));
-    // Set back, the zone is closed again.
+    // When the clocks are set back, the zone is closed again.
     trial.vehicle.clock_nanos -= ahead;
     trial.feed(Input::UtcSet(0));
     trial.run_for(15.0);
@@ -190,7 +195,7 @@ fn sr_002_zones_follow_a_computers_clock_that_is_set_after_the_start_and_stamps_
 }
 
 #[test]
-fn sr_002_a_zone_that_opens_between_the_two_clocks_is_open() {
+fn sr_002_a_zone_that_is_open_by_one_of_the_two_clocks_counts_as_open() {
     // The vehicle's clock is half a minute ahead, and there the zone is open already.
     let mut trial = Trial::with(Setup {
         fence: opens_after(ON_THE_LINE, 1700),
@@ -200,7 +205,7 @@ fn sr_002_a_zone_that_opens_between_the_two_clocks_is_open() {
     trial.run_for(2.0);
     let begun = trial.now;
     let mut last = None;
-    // Until some time the line is over before by both clocks; the vehicle's is the earlier to end it.
+    // At first the line ends before the zone opens, by both clocks. By the vehicle's clock that changes first.
     while last.is_none() && trial.now.since(begun) < Duration::from_secs(1200) {
         let (_, step) = trial.steps(0).pop().unwrap();
         let by = |apart: Option<Duration>| {
@@ -216,7 +221,7 @@ fn sr_002_a_zone_that_opens_between_the_two_clocks_is_open() {
         }
         trial.run_for(10.0);
     }
-    let apart = last.expect("the two clocks come to differ in their answer").unwrap();
+    let apart = last.expect("the two clocks give different answers in the end").unwrap();
     assert!(
         apart.abs_diff(Duration::from_secs(30)) < Duration::from_millis(100),
         "{apart:?}"
@@ -250,7 +255,7 @@ fn sr_002_an_insert_that_has_not_begun_in_time_is_called_back() {
     trial.run_for(600.0);
     assert_eq!(trial.commands("RCN").len(), 1);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "cancelled"]);
-    // Where no zone changes by then it may be late.
+    // If no zone changes by then, the insert may be late.
     let mut unhurried = self::trial(opens_after(ON_THE_LINE, 80_000));
     unhurried.vehicle.speed_mps = 0.8;
     unhurried.run_for(0.5);
@@ -260,7 +265,7 @@ fn sr_002_an_insert_that_has_not_begun_in_time_is_called_back() {
 }
 
 #[test]
-fn a_plugin_that_asks_the_fence_gets_the_answer_of_the_hour() {
+fn a_plugins_query_is_answered_for_its_time() {
     let mut trial = trial(over(ON_THE_LINE));
     trial.run_for(1.0);
     let envelope = Envelope::new(over(ON_THE_LINE), limits());

@@ -6,9 +6,10 @@ use super::{Contact, Probe, Samples, gap, project, vector};
 
 /// The convex hull of one to four points: a point, a leg, or a solid.
 pub(crate) struct ConvexProbe {
-    /// Counterclockwise.
+    /// The corners, counterclockwise.
     corners: [Vector; 4],
-    /// Of the side that begins at the corner: outward, of length one; zero for a side too short to have a direction.
+    /// For each corner, the outward normal, of length one, of the side that begins there; zero for a side that is too
+    /// short to have a direction.
     normals: [Vector; 4],
     len: usize,
     min: Vector,
@@ -16,13 +17,13 @@ pub(crate) struct ConvexProbe {
 }
 
 impl ConvexProbe {
-    /// At most four points.
+    /// Makes a probe from at most four points.
     pub(crate) fn new(points: &[EastNorth]) -> Self {
         let mut given = [Vector::ZERO; 4];
         for (corner, point) in given.iter_mut().zip(points) {
             *corner = vector(*point);
         }
-        // The first corner is met again at the end: at most five entries.
+        // The chain ends with the first corner again: at most five entries.
         let mut chain = [Vector::ZERO; 6];
         let len = chain_of(&mut given[..points.len()], &mut chain);
         let mut probe = Self {
@@ -55,7 +56,7 @@ impl ConvexProbe {
         &self.corners[..self.len]
     }
 
-    /// None of a point, one of a leg.
+    /// The sides: none for a point, one for a leg.
     fn sides(&self) -> impl Iterator<Item = Segment> {
         let count = if self.len > 2 { self.len } else { self.len - 1 };
         (0..count).map(|index| Segment::new(self.corners[index], self.corners[(index + 1) % self.len]))
@@ -63,7 +64,7 @@ impl ConvexProbe {
 
     /// A place where the shape and an edge touch, unless it is at an end of the edge or at a corner of the shape.
     fn touch(&self, edge: &Segment) -> Option<Vector> {
-        // An edge that crosses no side is inside with both its ends, or not at all.
+        // An edge that crosses no side has both ends inside, or neither.
         let left = |side: Segment| side.scaled_direction().perp_dot(edge.a - side.a) >= 0.0;
         if self.len > 2 && self.sides().all(left) {
             return Some(edge.a);
@@ -83,7 +84,8 @@ impl Probe for ConvexProbe {
         if bound_m2 >= enough_m2 {
             return bound_m2;
         }
-        // Beyond a side: the bounding box along the axes says little about a long slanting leg.
+        // The distance beyond a side is a better bound for a long slanting leg, about which its bounding box says
+        // little.
         let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
         for (corner, normal) in self.corners().iter().zip(&self.normals) {
             let beyond_m = (normal.dot(middle - corner) - normal.abs().dot(half)).max(0.0);
@@ -124,11 +126,11 @@ impl Probe for ConvexProbe {
     }
 }
 
-/// Where two segments cross. Some that only touch are left out: those touch at an end of one of them.
+/// Where two segments cross. Some segments that only touch are left out; they touch at an end of one of them.
 fn crossing(a: &Segment, b: &Segment) -> Option<Vector> {
     let (along_a, along_b) = (a.scaled_direction(), b.scaled_direction());
-    // The signs of four areas: the ends of each lie on either side of the other. A zero counts as left: where that says
-    // that they cross, they do touch.
+    // Compares the signs of four areas: the ends of each segment must lie on different sides of the other. A zero
+    // counts as left. If a zero leads to a crossing, the segments do touch.
     let parts = |along: Vector, from: Vector, other: &Segment| {
         (along.perp_dot(other.a - from) < 0.0) != (along.perp_dot(other.b - from) < 0.0)
     };
@@ -136,12 +138,13 @@ fn crossing(a: &Segment, b: &Segment) -> Option<Vector> {
         return None;
     }
     let area = along_b.perp_dot(along_a);
-    // Parallel ones touch at an end.
+    // Parallel segments touch at an end.
     (area != 0.0).then(|| b.a + along_b * ((a.a - b.a).perp_dot(along_a) / area).clamp(0.0, 1.0))
 }
 
-/// Andrew's monotone chain: how many of the entries that the chain then begins with are the corners of the convex hull,
-/// counterclockwise. It has room for two more than there are points, where those are numbers.
+/// Andrew's monotone chain. Writes the corners of the convex hull, counterclockwise, to the beginning of `chain`, and
+/// returns how many there are. `chain` needs room for two entries more than there are points, if the points are
+/// numbers.
 pub(crate) fn chain_of(points: &mut [Vector], chain: &mut [Vector]) -> usize {
     points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut count = 0;

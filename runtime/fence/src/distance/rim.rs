@@ -10,8 +10,8 @@ pub(crate) struct RimProbe {
 }
 
 impl RimProbe {
-    /// The squared distance from the rim to something whose points are `near` to `far` from the centre, all of them in
-    /// between.
+    /// The squared distance from the rim to something that has points at every distance from `near_m` to `far_m` from
+    /// the centre.
     #[inline]
     fn d2(&self, near_m: f64, far_m: f64) -> f64 {
         let distance_m = (near_m - self.radius_m).max(self.radius_m - far_m).max(0.0);
@@ -43,7 +43,7 @@ impl Probe for RimProbe {
         let (near_m, far_m) = (near.distance(self.centre), far.distance(self.centre));
         Contact {
             d2: self.d2(near_m, far_m),
-            // An edge within the circle comes nearest with its far end.
+            // An edge within the circle is nearest at its far end.
             at: if far_m < self.radius_m { far } else { near },
         }
     }

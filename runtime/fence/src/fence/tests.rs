@@ -1,4 +1,4 @@
-//! Fences on the plane, without a file: coordinates are exact here.
+//! Fences on the plane, without a file, so that coordinates are exact.
 
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ const VERTICAL: VerticalExtent = VerticalExtent {
     altitude_min_m: 10.0,
 };
 
-/// A zone of one polygon: outer ring counterclockwise, holes clockwise, none closed.
+/// A zone of one polygon. The outer ring is counterclockwise, holes are clockwise, and none is closed.
 fn zone(name: &str, kind: Kind, margin_m: f64, rings: &[Points]) -> Zone {
     let ring = |points: &Points| {
         let mut vertices: Vec<_> = points
@@ -63,7 +63,7 @@ fn fence(zones: Vec<Zone>) -> Fence {
     }
 }
 
-/// Counterclockwise.
+/// A rectangle, counterclockwise.
 fn rectangle(west: f64, south: f64, east: f64, north: f64) -> Points {
     vec![(west, south), (east, south), (east, north), (west, north)]
 }

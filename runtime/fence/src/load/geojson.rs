@@ -1,4 +1,4 @@
-//! GeoJSON (RFC 7946).
+//! Reads GeoJSON (RFC 7946).
 
 use core::slice;
 
@@ -31,7 +31,7 @@ pub(super) fn read(text: &str) -> Result<Vec<RawZone>, FenceError> {
         Some(other) => return Err(form("`features`".to_owned(), kind_of(&other), "an array of features")),
         None => return Err(form(place(), "no `features`".to_owned(), "an array of features")),
     };
-    // The last one is what GDAL writes beside the features.
+    // GDAL writes the last one beside the features.
     let known = ["type", "name", "crs", "bbox", "xy_coordinate_resolution"];
     refuse_unknown(&document, place, &known, "`type`, `name`, `crs`, `bbox` or `features`")?;
     features
@@ -41,7 +41,7 @@ pub(super) fn read(text: &str) -> Result<Vec<RawZone>, FenceError> {
         .collect()
 }
 
-/// Only WGS84 in longitude and latitude: the same numbers mean other places elsewhere.
+/// Accepts only WGS84 in longitude and latitude: in other systems the same numbers mean other places.
 fn coordinate_system(system: &Value) -> Result<(), FenceError> {
     let name = system.pointer("/properties/name").and_then(Value::as_str);
     if matches!(
@@ -157,7 +157,7 @@ fn ring_place(label: &str, several: bool, polygon: usize, hole: usize) -> Place 
     }
 }
 
-/// Refuses what stands for a position and is no list of numbers: the parser of features does not say where.
+/// Refuses a position that is not a list of numbers, and says where, which the parser of features does not.
 fn refuse_strange(geometry: &Map<String, Value>, label: &str) -> Result<(), FenceError> {
     let Some(coordinates) = geometry.get("coordinates") else {
         return Ok(());

@@ -1,4 +1,5 @@
-//! JSON that names no key twice: of `{"margin_m": 50, "margin_m": 5}` the usual parser keeps the second in silence.
+//! Reads JSON and refuses a key that occurs twice: from `{"margin_m": 50, "margin_m": 5}` the usual parser silently
+//! keeps the second value.
 
 use core::fmt;
 
@@ -7,7 +8,7 @@ use serde_json::{Map, Number, Value};
 
 use crate::error::FenceError;
 
-/// The document, or where it breaks.
+/// Parses a document. An error says where it is wrong.
 pub(super) fn parse(text: &str) -> Result<Value, FenceError> {
     // Some editors begin files with a byte order mark, which JSON does not allow.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -81,7 +82,7 @@ impl<'de> Visitor<'de> for StrictVisitor {
         while let Some(key) = entries.next_key::<String>()? {
             if map.contains_key(&key) {
                 return Err(A::Error::custom(format_args!(
-                    "key `{key}` is given twice, expected it once"
+                    "key `{key}` is given twice, expected it only once"
                 )));
             }
             let Strict(value) = entries.next_value()?;

@@ -1,4 +1,4 @@
-//! KML 2.3 (OGC 12-007r2): placemarks with polygons, circles and corridors.
+//! Reads KML 2.3 (OGC 12-007r2): placemarks with polygons, circles and corridors.
 
 use core::slice;
 
@@ -14,7 +14,7 @@ use backseat_units::Position;
 
 const GEOMETRY: &str = "one Polygon, MultiGeometry of Polygons, Point or LineString";
 
-/// All that a placemark may be, zones or not.
+/// All geometries that a placemark may have, including those that cannot be zones.
 const GEOMETRIES: &[&str] = &[
     "Polygon",
     "MultiGeometry",
@@ -26,7 +26,8 @@ const GEOMETRIES: &[&str] = &[
     "MultiTrack",
 ];
 
-/// What any feature may have: how it is called, drawn and looked at. Of KML, Atom, xAL, and Google's `gx`.
+/// Elements that any feature may have, for its name, drawing and view. They come from KML, Atom, xAL, and Google's
+/// `gx`.
 const FEATURE: &[&str] = &[
     "name",
     "visibility",
@@ -51,7 +52,7 @@ const FEATURE: &[&str] = &[
     "Metadata",
 ];
 
-/// What lies beside placemarks and holds none.
+/// Elements beside placemarks that contain no placemarks.
 const BESIDE: &[&str] = &[
     "Schema",
     "ExtendedData",
@@ -62,7 +63,7 @@ const BESIDE: &[&str] = &[
     "PhotoOverlay",
 ];
 
-/// How a geometry is drawn.
+/// Elements that say how a geometry is drawn.
 const DRAWN: &[&str] = &["extrude", "tessellate", "altitudeMode", "altitudeOffset", "drawOrder"];
 
 pub(super) fn read(text: &str, terms: &Terms) -> Result<Vec<RawZone>, FenceError> {
@@ -75,7 +76,7 @@ pub(super) fn read(text: &str, terms: &Terms) -> Result<Vec<RawZone>, FenceError
     placemarks.into_iter().map(|placemark| zone(placemark, terms)).collect()
 }
 
-/// The placemarks in the order of the file, whatever folders they lie in.
+/// Finds the placemarks in the order of the file, in any folder.
 fn find<'a>(parent: &'a Element, placemarks: &mut Vec<&'a Element>) -> Result<(), FenceError> {
     let searched = [
         "Placemark",
@@ -85,14 +86,14 @@ fn find<'a>(parent: &'a Element, placemarks: &mut Vec<&'a Element>) -> Result<()
         "TimeSpan",
         "TimeStamp",
     ];
-    let expected = "<Placemark>, <Document>, <Folder> or what KML 2.3 has beside them";
+    let expected = "<Placemark>, <Document>, <Folder> or another element that KML 2.3 allows here";
     refuse_unknown(parent, &searched, &[FEATURE, BESIDE], expected)?;
     for child in &parent.children {
         match child.name.as_str() {
             "Placemark" => placemarks.push(child),
             "Document" | "Folder" => find(child, placemarks)?,
             "NetworkLink" => return Err(at(child, "<NetworkLink>".to_owned(), "all placemarks in one file")),
-            // In KML the placemarks inherit it.
+            // In KML the placemarks inherit this time.
             "TimeSpan" | "TimeStamp" => {
                 return Err(at(child, inside(child, parent), "<TimeSpan> in each <Placemark>"));
             }
@@ -102,7 +103,7 @@ fn find<'a>(parent: &'a Element, placemarks: &mut Vec<&'a Element>) -> Result<()
     Ok(())
 }
 
-/// Refuses an element or a text that has no meaning here: of a misspelt hole, zone or time the fence would be laxer.
+/// Refuses an unknown element or text: if a misspelt hole, zone or time were ignored, the fence would be laxer.
 fn refuse_unknown(
     parent: &Element,
     known: &[&str],
@@ -124,7 +125,7 @@ fn refuse_unknown(
     Ok(())
 }
 
-/// Refuses placemarks, however written, in what is not searched for them.
+/// Refuses placemarks, in upper or lower case, inside elements that are not searched for them.
 fn refuse_placemarks(ignored: &Element) -> Result<(), FenceError> {
     for child in &ignored.children {
         if child.name.eq_ignore_ascii_case("Placemark") {
@@ -136,17 +137,21 @@ fn refuse_placemarks(ignored: &Element) -> Result<(), FenceError> {
     Ok(())
 }
 
-/// The child of a name, which may be absent and must not come twice.
+/// The child with a name. It may be absent and must not occur twice.
 fn one<'a>(parent: &'a Element, name: &str) -> Result<Option<&'a Element>, FenceError> {
     let mut named = parent.children.iter().filter(|child| child.name == name);
     let first = named.next();
     match named.next() {
-        Some(another) => Err(at(another, format!("another {}", inside(another, parent)), "it once")),
+        Some(another) => Err(at(
+            another,
+            format!("another {}", inside(another, parent)),
+            "it only once",
+        )),
         None => Ok(first),
     }
 }
 
-/// What an element says that holds text alone.
+/// The text of an element that must hold only text.
 fn text(element: &Element) -> Result<&str, FenceError> {
     match element.children.first() {
         Some(child) => Err(at(child, inside(child, element), "text only")),
@@ -163,7 +168,7 @@ fn inside(child: &Element, parent: &Element) -> String {
 }
 
 fn zone(placemark: &Element, terms: &Terms) -> Result<RawZone, FenceError> {
-    let expected = "a geometry, <ExtendedData>, <TimeSpan> or what KML 2.3 has beside them";
+    let expected = "a geometry, <ExtendedData>, <TimeSpan> or another element that KML 2.3 allows here";
     let known = [GEOMETRIES, &["ExtendedData", "TimeSpan", "TimeStamp"]].concat();
     refuse_unknown(placemark, &known, &[FEATURE], expected)?;
     let name = one(placemark, "name")?.map(text).transpose()?;
@@ -201,7 +206,7 @@ fn zone(placemark: &Element, terms: &Terms) -> Result<RawZone, FenceError> {
                 return Err(form(
                     label,
                     format!("{} positions", line.len()),
-                    "the one position of a Point",
+                    "exactly one position for a Point",
                 ));
             };
             return RawZone::circle(label, properties, centre, round_m);
@@ -232,11 +237,11 @@ fn zone(placemark: &Element, terms: &Terms) -> Result<RawZone, FenceError> {
     })
 }
 
-/// The properties that a placemark bears beside its name.
+/// Reads the properties that a placemark has besides its name.
 fn data(placemark: &Element, properties: &mut Map<String, Value>, label: &str) -> Result<(), FenceError> {
     let mut add = |key: &str, text: &str| {
         let value: Value = match text.parse::<f64>() {
-            // What is no number stays a text, so that it is refused and not taken for absent.
+            // A text that is not a number stays a text, so that it is refused and not taken for absent.
             Ok(number) if number.is_finite() => number.into(),
             _ if text == "true" => true.into(),
             _ if text == "false" => false.into(),
@@ -249,7 +254,7 @@ fn data(placemark: &Element, properties: &mut Map<String, Value>, label: &str) -
             Some(_) => Err(form(
                 label.to_owned(),
                 format!("`{}` given twice", shortened(key)),
-                "it once",
+                "it only once",
             )),
         }
     };
@@ -309,7 +314,7 @@ fn value(data: &Element) -> Result<&str, FenceError> {
 }
 
 fn polygon(element: &Element, number: Option<usize>, label: &str) -> Result<RawPolygon, FenceError> {
-    let expected = "<outerBoundaryIs>, <innerBoundaryIs> or how it is drawn";
+    let expected = "<outerBoundaryIs>, <innerBoundaryIs> or a drawing element such as <extrude>";
     refuse_unknown(element, &["outerBoundaryIs", "innerBoundaryIs"], &[DRAWN], expected)?;
     let (mut outer, mut holes) = (None, Vec::new());
     for child in &element.children {
@@ -355,9 +360,14 @@ fn polygon(element: &Element, number: Option<usize>, label: &str) -> Result<RawP
     Ok(rings)
 }
 
-/// Longitude, latitude and perhaps a height, with commas between them and blanks around.
+/// Reads positions: longitude, latitude and optionally a height, separated by commas, with blanks between positions.
 fn coordinates(element: &Element, place: &str) -> Result<Vec<Position>, FenceError> {
-    refuse_unknown(element, &["coordinates"], &[DRAWN], "<coordinates> or how it is drawn")?;
+    refuse_unknown(
+        element,
+        &["coordinates"],
+        &[DRAWN],
+        "<coordinates> or a drawing element such as <extrude>",
+    )?;
     let text = one(element, "coordinates")?.map_or(Ok(""), text)?;
     let numbered = text.split_ascii_whitespace().enumerate();
     numbered

@@ -1,5 +1,5 @@
-//! The fence of a plan file of QGroundControl ("Plan File Format" of its developer guide: `fileType` Plan, version 1;
-//! `geoFence` version 2). Latitude comes first, and rings are not closed.
+//! Reads the fence of a plan file of QGroundControl ("Plan File Format" of its developer guide: `fileType` Plan,
+//! version 1; `geoFence` version 2). Latitude comes first, and rings are not closed.
 
 use serde_json::{Map, Value};
 
@@ -83,7 +83,7 @@ fn circle(object: &Value, name: &str, terms: &Terms) -> Result<RawZone, FenceErr
     RawZone::circle(label, properties, centre, radius_m)
 }
 
-/// The properties in the terms of the GeoJSON form.
+/// The properties with the keys of the GeoJSON form.
 fn described(
     map: &Map<String, Value>,
     name: &str,
@@ -107,7 +107,7 @@ fn part<'a>(object: &'a Value, label: &str, known: &[&str]) -> Result<&'a Map<St
         return Err(wrong(label, Some(object), "an object"));
     };
     refuse_unknown(map, label, known, "the keys of `geoFence` version 2")?;
-    // The form of polygons and circles has a version too, 1 so far.
+    // Polygons and circles have a version of their own, 1 so far.
     match map.get("version").map(Value::as_u64) {
         None | Some(Some(1)) => Ok(map),
         Some(_) => Err(wrong(&format!("{label} version"), map.get("version"), "1")),

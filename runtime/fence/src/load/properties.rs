@@ -1,4 +1,4 @@
-//! A feature's properties: name, kind, limits.
+//! Reads a feature's properties: name, kind, limits.
 
 use backseat_units::{Depth, Utc};
 use serde_json::{Map, Value};
@@ -8,7 +8,7 @@ use crate::error::FenceError;
 use crate::window::{self, Window};
 use crate::zone::{Band, Kind};
 
-/// What the properties say.
+/// The properties of a zone.
 pub(super) struct Properties {
     pub(super) name: String,
     pub(super) kind: Kind,
@@ -16,7 +16,7 @@ pub(super) struct Properties {
     pub(super) window: Window,
 }
 
-/// What a feature is beside an area, and so which length it must have.
+/// Whether a feature is a circle, a corridor or neither, which decides which length it must have.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Round {
     No,
@@ -45,14 +45,14 @@ impl Round {
 
 const KEEP_IN_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m`, `surfacing`, `valid_from` or `valid_until`";
 const KEEP_OUT_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `valid_from` or `valid_until`";
-/// Smaller circles and narrower corridors are mistakes, metres.
+/// The smallest radius or half width, metres: smaller circles and narrower corridors are mistakes.
 const ROUND_MIN_M: f64 = 0.1;
-/// Half of the widest fence, metres.
+/// The greatest radius or half width, metres: half of the widest fence.
 const ROUND_MAX_M: f64 = 25_000.0;
 const NAME: &str = "a name of 1 to 100 printable characters";
 const KIND: &str = "\"keep-in\" or \"keep-out\"";
 
-/// How a feature is called in errors: by its name where it has a usable one.
+/// The name of a feature in errors: its own name if that is usable, otherwise its number.
 pub(super) fn label(properties: Option<&Map<String, Value>>, index: usize) -> String {
     match properties
         .and_then(|map| map.get("name"))
@@ -64,7 +64,7 @@ pub(super) fn label(properties: Option<&Map<String, Value>>, index: usize) -> St
     }
 }
 
-/// Reads all properties and refuses unknown ones; the radius of a circle or half the width of a corridor beside them,
+/// Reads all properties and refuses unknown ones. Also returns the radius of a circle or half the width of a corridor;
 /// zero for an area.
 pub(super) fn read(map: &Map<String, Value>, feature: &str, round: Round) -> Result<(Properties, f64), FenceError> {
     let source = Source { map, feature };
@@ -202,7 +202,7 @@ impl Source<'_> {
         let Some(value) = self.get(key) else { return Ok(None) };
         match value.as_str().and_then(window::utc) {
             Some(time) => Ok(Some(time)),
-            None => Err(self.bad(key, value, "a time of RFC 3339, as \"2026-05-01T08:00:00Z\"")),
+            None => Err(self.bad(key, value, "a time of RFC 3339, such as \"2026-05-01T08:00:00Z\"")),
         }
     }
 
@@ -225,7 +225,7 @@ impl Source<'_> {
     }
 }
 
-/// What is shown of a value: enough to find it, on one line.
+/// The part of a value that an error shows: enough to find it, on one line.
 pub(super) fn shortened(text: &str) -> String {
     let (start, rest) = match text.char_indices().nth(60) {
         Some((end, _)) => (&text[..end], "..."),

@@ -1,6 +1,6 @@
-//! Names that files of before have.
+//! Earlier names that old files may still have.
 
-/// What a kind of zone is called now, where it had another name.
+/// The present name of a kind of zone, for an earlier name.
 pub(super) fn kind(old: &str) -> Option<&'static str> {
     match old {
         "inclusion" => Some("\"keep-in\", as it is called now"),

@@ -1,6 +1,6 @@
-//! Circles and corridors, made into the rings of positions that all other zones have.
+//! Makes circles and corridors into rings of positions, which all other zones have.
 //!
-//! A keep-in zone's ring lies inside of the true outline and a keep-out zone's around it, so that neither is ever
+//! A keep-in zone's ring lies inside the true outline, and a keep-out zone's ring lies around it, so neither is ever
 //! laxer.
 
 use core::f64::consts::{PI, TAU};
@@ -16,17 +16,18 @@ use crate::outline::{RawPolygon, RawRing, divided};
 /// How far a circle's ring may be from the circle, metres.
 const CIRCLE_TOLERANCE_M: f64 = 0.01;
 
-/// Positions survive the way through a frame to this: what circles and corridors are drawn smaller or larger by, metres.
+/// The error of converting positions through a frame, metres. Circles and corridors are drawn smaller or larger by
+/// this.
 const ROUND_TRIP_M: f64 = 0.001;
 
-/// How far the round ends and corners of a corridor may be from true ones, of its half width; a centimetre where that
-/// is more.
+/// How far the round ends and corners of a corridor may be from true ones, as a fraction of its half width; or a
+/// centimetre if that is more.
 const CORNER_TOLERANCE: f64 = 0.01;
 
-/// Vertices of a corridor's line that are nearer to each other are one, metres.
+/// Vertices of a corridor's line that are nearer to each other than this are one vertex, metres.
 const SAME_M: f64 = 1e-3;
 
-/// A ring around a circle, or within it.
+/// A ring around a circle, or for a keep-in zone within it.
 pub(super) fn circle(centre: Position, radius_m: f64, keep_in: bool) -> RawPolygon {
     let frame = LocalFrame::new(centre);
     let radius_m = stricter_m(radius_m, keep_in);
@@ -47,8 +48,8 @@ pub(super) fn circle(centre: Position, radius_m: f64, keep_in: bool) -> RawPolyg
     }]
 }
 
-/// The polygons of everything within half a width of a line: for a keep-in zone the one outline, for a keep-out zone
-/// one around each straight piece.
+/// The polygons of everything within half a width of a line: one outline for a keep-in zone, and one polygon around
+/// each straight piece for a keep-out zone.
 pub(super) fn corridor(
     line: &[Position],
     middle: Position,
@@ -71,8 +72,8 @@ pub(super) fn corridor(
     if points.len() < 2 {
         return Err(FenceError::Form {
             place: label.to_owned(),
-            found: "line of no length".to_owned(),
-            expected: "a LineString of at least two positions apart from each other",
+            found: "line without length".to_owned(),
+            expected: "a LineString of at least two distinct positions",
         });
     }
     let pen = Pen::new(stricter_m(half_width_m, keep_in), keep_in);
@@ -106,17 +107,18 @@ fn stricter_m(length_m: f64, keep_in: bool) -> f64 {
     }
 }
 
-/// The angle of a chord that is no farther than so much from its arc.
+/// The angle of a chord that is no farther than `tolerance_m` from its arc.
 fn step_rad(radius_m: f64, tolerance_m: f64) -> f64 {
     2.0 * acos((1.0 - tolerance_m / radius_m).max(0.8))
 }
 
-/// How far from the middle the corners are whose edges touch a circle, each corner half a step from where they do.
+/// The distance from the middle of the corners of a polygon whose edges touch a circle. Each corner is half a step from
+/// the points where its edges touch.
 fn circumscribed_m(radius_m: f64, half_step_rad: f64) -> f64 {
     radius_m / sin_cos(half_step_rad).1
 }
 
-/// A ring that is being drawn counterclockwise: with each corner the number of the edge that begins there.
+/// A ring that is being drawn counterclockwise. Each corner has the number of the edge that begins there.
 #[derive(Default)]
 struct Ring {
     points: Vec<Vector>,
@@ -133,7 +135,7 @@ impl Ring {
 struct Pen {
     half_width_m: f64,
     step_rad: f64,
-    /// Whether arcs are drawn around the true ones.
+    /// Whether the corners of arcs lie outside the true arcs.
     around: bool,
 }
 
@@ -147,7 +149,7 @@ impl Pen {
         }
     }
 
-    /// Counterclockwise around a point, from right of one direction to right of another.
+    /// Draws an arc counterclockwise around a point, from the direction `from` over the angle `sweep_rad`.
     fn arc(&self, ring: &mut Ring, middle: Vector, from: Vector, sweep_rad: f64, number: u32) {
         let start = from * self.half_width_m;
         let count = (sweep_rad / self.step_rad).ceil().max(1.0) as u32;
@@ -178,14 +180,14 @@ impl Pen {
         ring
     }
 
-    /// The outline of the whole line, where it turns gently enough; else the line's vertex at which it does not.
+    /// The outline of the whole line if it turns gently enough; otherwise the vertex of the line at which it does not.
     fn outline(&self, points: &[Vector], numbers: &[u32]) -> Result<Ring, usize> {
         let ways: Vec<_> = points.windows(2).map(|ends| (ends[1] - ends[0]).normalize()).collect();
         let turn_rad = |vertex: usize| {
             let (before, after) = (ways[vertex - 1], ways[vertex]);
             atan2(before.perp_dot(after), before.dot(after))
         };
-        // What the inner side of a turn takes of the two pieces that meet there.
+        // The length that the inner side of a turn takes from each of the two pieces that meet there.
         let taken_m = |vertex: usize| {
             if vertex == 0 || vertex == ways.len() {
                 return 0.0;
@@ -200,13 +202,13 @@ impl Pen {
                 } else {
                     piece + 1
                 };
-                // The vertex of the file from which the next piece begins.
+                // The file's vertex from which the next piece begins.
                 return Err(numbers[tighter.min(numbers.len() - 1)] as usize);
             }
         }
         let mut ring = Ring::default();
         let last = ways.len() - 1;
-        // Out along the right side, and back along what is the right side then.
+        // Draws the right side on the way out, and then the right side of the way back.
         for vertex in 1..=last {
             self.corner(
                 &mut ring,
@@ -230,14 +232,14 @@ impl Pen {
         Ok(ring)
     }
 
-    /// The right side of a corner: round where the line turns left, a point where it turns right.
+    /// Draws the right side of a corner: round if the line turns left, a point if it turns right.
     fn corner(&self, ring: &mut Ring, at: Vector, way: Vector, turn_rad: f64, number: u32) {
         let right = -way.perp();
         if turn_rad > 0.0 {
             self.arc(ring, at, right, turn_rad, number);
         } else {
             let (sin, cos) = sin_cos(turn_rad / 2.0);
-            // Backwards along the way by what the turn takes.
+            // Moves back along the line by the length that the turn takes.
             ring.push(at + (right + way * (sin / cos)) * self.half_width_m, number);
         }
     }

@@ -1,4 +1,4 @@
-//! XML as a tree of elements, with their lines; no more of it than placemarks need.
+//! Reads XML as a tree of elements with their lines. It reads no more of XML than placemarks need.
 
 use quick_xml::Reader;
 use quick_xml::escape::resolve_predefined_entity;
@@ -7,23 +7,23 @@ use quick_xml::events::{BytesStart, Event};
 use super::properties::shortened;
 use crate::error::FenceError;
 
-/// Deeper documents are refused: no placemark lies so deep.
+/// Deeper documents are refused, because no placemark lies so deep.
 const DEPTH_MAX: usize = 64;
 
-/// An element without its name space.
+/// An element, without its namespace.
 #[derive(Debug, Default)]
 pub(super) struct Element {
     pub(super) name: String,
-    /// Of its beginning, from 1.
+    /// The line where it begins, from 1.
     pub(super) line: usize,
     /// The attribute `name`.
     pub(super) name_attribute: Option<String>,
-    /// All text that lies directly in it.
+    /// All text directly in the element.
     pub(super) text: String,
     pub(super) children: Vec<Element>,
 }
 
-/// The root element.
+/// Parses a document and returns its root element.
 pub(super) fn parse(text: &str) -> Result<Element, FenceError> {
     let forbidden = |char: char| char < ' ' && !matches!(char, '\t' | '\n' | '\r');
     if let Some((at, char)) = text.char_indices().find(|(_, char)| forbidden(*char)) {
@@ -53,14 +53,14 @@ pub(super) fn parse(text: &str) -> Result<Element, FenceError> {
                     return bad("a second root element".to_owned());
                 }
                 if open.len() == DEPTH_MAX {
-                    return bad(format!("elements over {DEPTH_MAX} deep"));
+                    return bad(format!("elements nested over {DEPTH_MAX} deep"));
                 }
                 open.push(element(&start, line)?);
             }
             Event::End(_) => {
-                // The reader has seen that it matches.
+                // The reader has checked that it matches.
                 let Some(closed) = open.pop() else {
-                    return bad("an end without a beginning".to_owned());
+                    return bad("an end tag without a start tag".to_owned());
                 };
                 match open.last_mut() {
                     Some(parent) => parent.children.push(closed),
@@ -77,7 +77,7 @@ pub(super) fn parse(text: &str) -> Result<Element, FenceError> {
                 },
                 Err(error) => return bad(shortened(&error.to_string())),
             },
-            // Entities of its own could grow without bound.
+            // A document's own entities could grow without bound.
             Event::DocType(_) => return bad("a document type definition".to_owned()),
             Event::Comment(_) | Event::Decl(_) | Event::PI(_) => {}
             Event::Eof => break,
@@ -119,14 +119,14 @@ fn write(open: &mut [Element], text: &str, line: usize) -> Result<(), FenceError
             let blank = &text[..text.len() - text.trim_start().len()];
             return Err(FenceError::Xml {
                 line: line + blank.matches('\n').count(),
-                message: format!("text `{}` outside of the root element", shortened(word)),
+                message: format!("text `{}` outside the root element", shortened(word)),
             });
         }
     }
     Ok(())
 }
 
-/// Counts lines, each once: positions only grow.
+/// Counts lines, each once, because positions only grow.
 struct Lines<'a> {
     bytes: &'a [u8],
     seen: usize,

@@ -1,5 +1,5 @@
 //! From a file's degrees to verdicts.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::fmt::Write;
 
@@ -31,7 +31,7 @@ fn document(zones: &[(&str, &str, String)]) -> String {
     )
 }
 
-/// A closed ring of the file.
+/// A closed ring in the form of the file.
 fn ring(points: &[Position]) -> String {
     let mut text = String::from("[");
     for point in points.iter().chain(points.first()) {
@@ -84,7 +84,7 @@ fn the_winding_of_rings_does_not_matter() {
 }
 
 #[test]
-fn zones_are_handed_out_for_pictures() {
+fn a_fence_gives_its_zones_for_pictures() {
     let outer = ring(&rectangle(42.0, -70.0, 42.02, -69.98));
     let hole = ring(&rectangle(42.009, -69.991, 42.011, -69.989));
     let net = r#""kind": "keep-out", "margin_m": 2.5, "depth_min_m": 10"#;
@@ -113,7 +113,7 @@ fn zones_are_handed_out_for_pictures() {
 }
 
 #[test]
-fn each_polygon_of_a_multipolygon_stands_alone() {
+fn each_polygon_of_a_multipolygon_counts_by_itself() {
     let west = ring(&rectangle(42.0, -70.0, 42.01, -69.99));
     let east = ring(&rectangle(42.0, -69.985, 42.01, -69.975));
     let text = document(&[("pair", KEEP_IN, west)])
@@ -151,7 +151,7 @@ fn long_edges_follow_the_straight_line_of_the_file() {
             "{longitude} {outside}"
         );
     }
-    // All pieces bear the number of the edge.
+    // All pieces of an edge have the number of that edge.
     for (latitude, longitude, edge) in [
         (60.001, 10.2, 1),
         (60.05, 10.71, 2),
@@ -201,12 +201,12 @@ fn ten_thousand_vertices_load_and_a_crossing_among_them_is_found() {
 
 proptest! {
     #[test]
-    fn no_text_panics(text in r#"[\[\]{},:"a-z0-9.\-\\ ]{0,60}"#) {
+    fn no_text_makes_the_reader_panic(text in r#"[\[\]{},:"a-z0-9.\-\\ ]{0,60}"#) {
         prop_assert!(Fence::from_geojson(&text).is_err());
     }
 
     #[test]
-    fn random_rings_are_taken_or_refused_but_never_panic(
+    fn random_rings_are_accepted_or_refused_without_a_panic(
         rings in prop::collection::vec(prop::collection::vec((0..6u8, 0..6u8), 0..8), 1..3),
         close in any::<bool>(),
     ) {
@@ -229,7 +229,7 @@ proptest! {
 }
 
 #[test]
-fn windows_are_read_and_kept() {
+fn windows_are_read_and_respected() {
     let outer = ring(&rectangle(42.0, -70.0, 42.02, -69.98));
     let small = ring(&rectangle(42.009, -69.991, 42.011, -69.989));
     let convoy = r#""kind": "keep-out", "margin_m": 5, "valid_from": "2026-05-01T08:00:00Z", "valid_until": "2026-05-01T10:30:00+02:00""#;

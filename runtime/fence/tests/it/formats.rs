@@ -1,5 +1,5 @@
-//! Plans of QGroundControl and KML: the same fences as GeoJSON's, and faults with their place.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+//! Plans of QGroundControl, and KML: the same fences as in GeoJSON, and errors with their place.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_fence::{Fence, Kind, Rule, Shape, Sweep, Terms, VerticalExtent};
 use backseat_units::Position;
@@ -119,7 +119,7 @@ fn kml_is_read_into_zones() {
     let Kind::KeepIn { depth, surfacing, .. } = first.kind() else {
         panic!("{:?}", first.kind())
     };
-    // What the placemark says goes before the terms.
+    // Values of the placemark override the terms.
     assert_eq!((depth.min_m, depth.max_m, surfacing), (2.0, 40.0, false));
     let window = fence.zones().nth(1).unwrap().window();
     assert_eq!(window.to_string(), "from 2026-05-01T08:00:00Z");
@@ -139,7 +139,7 @@ fn kml_is_read_into_zones() {
 }
 
 #[test]
-fn a_plan_s_faults_have_their_place() {
+fn errors_in_a_plan_name_their_place() {
     let refused = |from: &str, to: &str| {
         assert!(PLAN.contains(from), "{from}");
         let text = PLAN.replacen(from, to, 1);
@@ -207,7 +207,7 @@ fn a_plan_s_faults_have_their_place() {
 }
 
 #[test]
-fn kml_faults_have_their_line() {
+fn errors_in_kml_name_their_line() {
     let refused = |from: &str, to: &str| {
         assert!(KML.contains(from), "{from}");
         let error = Fence::from_kml(&KML.replacen(from, to, 1), &TERMS)
@@ -306,10 +306,10 @@ fn kml_faults_have_their_line() {
 
 proptest! {
     #[test]
-    fn no_text_panics(text in r#"[<>/&;!a-z"= \[\]{},:0-9.\-]{0,80}"#, cut in 0..1500usize, junk in "[<>/&;!\"\\[{,]{1,3}") {
+    fn no_text_makes_the_readers_panic(text in r#"[<>/&;!a-z"= \[\]{},:0-9.\-]{0,80}"#, cut in 0..1500usize, junk in "[<>/&;!\"\\[{,]{1,3}") {
         prop_assert!(Fence::from_kml(&text, &TERMS).is_err());
         prop_assert!(Fence::from_plan(&text, &TERMS).is_err());
-        // And files with a scratch.
+        // Nor does a file that is damaged at one place.
         for whole in [KML, PLAN] {
             let cut = cut % whole.len();
             let scratched = format!("{}{junk}{}", &whole[..cut], &whole[cut..]);

@@ -1,5 +1,5 @@
 //! KML whose misspelt or misplaced parts would make the fence laxer is refused; what real programs write is read.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_fence::{Fence, Terms};
 
@@ -11,7 +11,7 @@ const TERMS: Terms = Terms {
     surfacing: true,
 };
 
-/// A line each for all that is replaced below.
+/// A document with a line for each part that the tests replace.
 const KML: &str = r#"<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2">
 <Document>
 <Folder>
@@ -42,7 +42,7 @@ fn refused(text: &str) -> String {
     error
 }
 
-/// The document with a part replaced, throughout, is refused with a message that begins so.
+/// Checks that the document with a part replaced throughout is refused with a message that begins like this.
 #[track_caller]
 fn refused_with(cases: &[(&str, &str, &str)]) {
     for (from, to, message) in cases {
@@ -59,16 +59,16 @@ fn read_with(from: &str, to: &str) -> Fence {
 }
 
 #[test]
-fn the_document_is_read_as_it_stands() {
+fn the_unchanged_document_is_accepted() {
     let fence = Fence::from_kml(KML, &TERMS).unwrap();
     let zone = fence.zones().next().unwrap();
     assert_eq!((zone.name(), zone.margin_m()), ("box", 90.0));
     assert_eq!(zone.window().to_string(), "from 2026-05-01T08:00:00Z");
 }
 
-/// Those of its elements whose loss would change the fence.
+/// The elements whose loss would change the fence.
 #[test]
-fn a_misspelt_element_is_refused_wherever_it_stands() {
+fn a_misspelt_element_is_refused_everywhere() {
     for name in [
         "kml",
         "Document",
@@ -115,7 +115,7 @@ fn a_misspelt_element_is_refused_wherever_it_stands() {
 
 #[test]
 fn no_hole_is_lost() {
-    let expected = "expected <outerBoundaryIs>, <innerBoundaryIs> or how it is drawn";
+    let expected = "expected <outerBoundaryIs>, <innerBoundaryIs> or a drawing element such as <extrude>";
     for name in ["innerboundaryIs", "innerBoundary", "hole"] {
         let error = refused(&KML.replace("innerBoundaryIs", name));
         assert_eq!(error, format!("line 16: <{name}> in <Polygon>, {expected}"));
@@ -144,7 +144,7 @@ fn no_hole_is_lost() {
         (
             "<coordinates>-69.99",
             "<coordinates/><coordinates>-69.99",
-            "line 16: another <coordinates> in <LinearRing>, expected it once",
+            "line 16: another <coordinates> in <LinearRing>, expected it only once",
         ),
         (
             "-69.988,42.012 ",
@@ -164,7 +164,7 @@ fn no_hole_is_lost() {
 
 #[test]
 fn no_placemark_is_lost() {
-    let expected = "expected <Placemark>, <Document>, <Folder> or what KML 2.3 has beside them";
+    let expected = "expected <Placemark>, <Document>, <Folder> or another element that KML 2.3 allows here";
     for (from, to, line) in [
         ("Placemark", "placemark", "line 4: <placemark> in <Folder>"),
         ("Placemark", "PlaceMark", "line 4: <PlaceMark> in <Folder>"),
@@ -219,7 +219,7 @@ fn no_part_of_a_placemark_is_lost() {
         (
             "ExtendedData>",
             "Extendeddata>",
-            "line 7: <Extendeddata> in <Placemark>, expected a geometry, <ExtendedData>, <TimeSpan> or what KML 2.3 has beside them",
+            "line 7: <Extendeddata> in <Placemark>, expected a geometry, <ExtendedData>, <TimeSpan> or another element that KML 2.3 allows here",
         ),
         (
             "<Polygon>",
@@ -230,7 +230,7 @@ fn no_part_of_a_placemark_is_lost() {
         (
             "<name>",
             "<name>pier</name>\n<name>",
-            "line 6: another <name> in <Placemark>, expected it once",
+            "line 6: another <name> in <Placemark>, expected it only once",
         ),
         (
             "Polygon>",
@@ -279,12 +279,12 @@ fn no_time_is_lost() {
         (
             "<begin>",
             "<begin>2026-05-01T09:00:00Z</begin><begin>",
-            "line 6: another <begin> in <TimeSpan>, expected it once",
+            "line 6: another <begin> in <TimeSpan>, expected it only once",
         ),
         (
             "<TimeSpan>",
             "<TimeSpan><end>2026-05-02T08:00:00Z</end></TimeSpan>\n<TimeSpan>",
-            "line 7: another <TimeSpan> in <Placemark>, expected it once",
+            "line 7: another <TimeSpan> in <Placemark>, expected it only once",
         ),
         (
             "TimeSpan>",
@@ -297,7 +297,7 @@ fn no_time_is_lost() {
             "line 4 placemark 'box': `valid_from` given twice",
         ),
     ]);
-    // A placemark has the time of its folder.
+    // A time of a folder would apply to its placemarks.
     for (parent, line) in [("Folder", 3), ("Document", 2)] {
         for time in ["TimeSpan", "TimeStamp"] {
             let start = format!("<{parent}>");
@@ -329,7 +329,7 @@ fn no_property_is_lost() {
         (
             margin,
             "<value>9</value><value>900</value>",
-            "line 9: another <value> in <Data>, expected it once",
+            "line 9: another <value> in <Data>, expected it only once",
         ),
         (
             margin,
@@ -357,7 +357,7 @@ fn no_property_is_lost() {
             "line 7: text `margin_m=900` in <ExtendedData>, expected <Data>",
         ),
     ]);
-    // An empty column is an absent one.
+    // An empty column counts as absent.
     for value in ["<value/>", "<value> </value>"] {
         let fence = read_with(margin, value);
         assert_eq!(fence.zones().next().unwrap().margin_m(), 10.0);
@@ -365,21 +365,21 @@ fn no_property_is_lost() {
 }
 
 #[test]
-fn nothing_lies_outside_of_the_root_element() {
+fn text_outside_of_the_root_element_is_refused() {
     for (text, message) in [
         (
             format!("fence\n{KML}"),
-            "line 1: text `fence` outside of the root element, expected well-formed XML",
+            "line 1: text `fence` outside the root element, expected well-formed XML",
         ),
         (
             format!("{KML}\nfence"),
-            "line 23: text `fence` outside of the root element",
+            "line 23: text `fence` outside the root element",
         ),
         (
             format!("{KML}<![CDATA[fence]]>"),
-            "line 22: text `fence` outside of the root element",
+            "line 22: text `fence` outside the root element",
         ),
-        (format!("&lt;{KML}"), "line 1: text `<` outside of the root element"),
+        (format!("&lt;{KML}"), "line 1: text `<` outside the root element"),
         (
             KML.replace("box", "b\0x"),
             "line 5: control character U+0000, expected well-formed XML",
@@ -393,7 +393,7 @@ fn nothing_lies_outside_of_the_root_element() {
     assert!(Fence::from_kml(&framed, &TERMS).is_ok());
 }
 
-/// A document as Google Earth writes it: views and styles, those of its web version too, and a tour.
+/// A document as Google Earth writes it: with views, styles (also those of its web version) and a tour.
 #[test]
 fn a_document_of_google_earth_is_read() {
     let text = r##"<?xml version="1.0" encoding="UTF-8"?>
@@ -465,7 +465,7 @@ fn a_document_of_google_earth_is_read() {
     assert_eq!(names, ["box", "wreck"]);
 }
 
-/// A layer as QGIS writes it through GDAL: a schema, a column for each attribute, many of them empty.
+/// A layer as QGIS writes it through GDAL: with a schema, and a column for each attribute, of which many are empty.
 #[test]
 fn a_layer_of_qgis_is_read() {
     let text = r##"<?xml version="1.0" encoding="utf-8" ?>

@@ -1,4 +1,4 @@
-//! Fences as files and what is judged against them, a file a subject.
+//! Reading fences from files and judging sweeps against them, one file for each subject.
 
 mod files;
 mod formats;

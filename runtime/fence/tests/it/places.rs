@@ -1,5 +1,5 @@
-//! Faults that no single ring shows still name the feature, and the vertex where there is one.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+//! Errors that no single ring shows still name the feature, and the vertex if there is one.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_fence::{Fence, Terms};
 use serde_json::{Value, json};
@@ -51,46 +51,46 @@ fn box_2() -> (&'static str, &'static str, Value) {
 #[test]
 fn a_wide_fence_names_the_vertex_that_is_farthest_out() {
     let box_ = || ("box", "keep-in", polygon(&[square(-70.0, 42.0)]));
-    // Digits turned round.
+    // Two digits are swapped.
     let mut typo = square(-69.99, 42.0);
     typo[2][1] = json!(24.01);
     assert_eq!(
         refused(&[box_(), ("bay", "keep-out", polygon(&[typo.clone()]))]),
-        "feature 'bay' outer ring vertex 3: farthest out of a fence 2010.5 km across, expected at most 50 km"
+        "feature 'bay' outer ring vertex 3: farthest out in a fence 2010.5 km across, expected at most 50 km"
     );
     let several =
         json!({ "type": "MultiPolygon", "coordinates": [[square(-69.98, 42.0)], [square(-69.97, 42.0), typo]] });
     let error = refused(&[box_(), ("bay", "keep-out", several)]);
     assert!(
-        error.starts_with("feature 'bay' polygon 2 hole 1 vertex 3: farthest out of a fence 2010.5 km"),
+        error.starts_with("feature 'bay' polygon 2 hole 1 vertex 3: farthest out in a fence 2010.5 km"),
         "{error}"
     );
-    // A little over: found once the fence is on its plane.
+    // This fence is a little too wide, which is found only once it is on its plane.
     let far = ("bay", "keep-out", polygon(&[square(-70.0, 42.45)]));
     let error = refused(&[box_(), box_2(), far]);
     assert!(
-        error.starts_with("feature 'bay' outer ring vertex 4: farthest out of a fence 51.1 km across"),
+        error.starts_with("feature 'bay' outer ring vertex 4: farthest out in a fence 51.1 km across"),
         "{error}"
     );
-    // A circle has no vertices, and is one place however finely it is drawn.
+    // A circle has no vertices, and counts as one place however finely it is drawn.
     let circle = (
         "buoy",
         "keep-out",
         json!({ "type": "Point", "coordinates": [-70.0, 24.0] }),
     );
     let error = refused(&[box_(), circle]);
-    assert!(error.starts_with("feature 'buoy': farthest out of a fence"), "{error}");
+    assert!(error.starts_with("feature 'buoy': farthest out in a fence"), "{error}");
     let line = json!({ "type": "LineString", "coordinates": [[-70.0, 42.0], [-70.0, 24.0], [-70.01, 42.0]] });
     let error = refused(&[box_(), ("cable", "keep-out", line)]);
     assert!(
-        error.starts_with("feature 'cable' vertex 2: farthest out of a fence"),
+        error.starts_with("feature 'cable' vertex 2: farthest out in a fence"),
         "{error}"
     );
 }
 
 #[test]
-fn too_many_vertices_name_the_feature_at_which_they_are() {
-    // Those that divide long edges: along this parallel each does so into some hundred.
+fn too_many_vertices_are_reported_with_the_feature_that_exceeds_the_limit() {
+    // The vertices that divide long edges count: along this parallel each edge gets some hundred.
     let (west, east) = (json!([-70.0, 84.0]), json!([-66.0, 84.0]));
     let mut parallels: Vec<_> = [west.clone(), east].into_iter().cycle().take(10_000).collect();
     parallels.push(json!([-68.0, 84.1]));
@@ -109,7 +109,7 @@ fn too_many_vertices_name_the_feature_at_which_they_are() {
 }
 
 #[test]
-fn coordinates_that_are_no_numbers_are_named_by_ring_and_vertex() {
+fn coordinates_that_are_not_numbers_are_named_by_ring_and_vertex() {
     let with = |geometry: Value| refused(&[("box", "keep-in", geometry)]);
     let mut hole = square(-69.998, 42.002);
     for (position, found) in [
@@ -137,7 +137,7 @@ fn coordinates_that_are_no_numbers_are_named_by_ring_and_vertex() {
 }
 
 #[test]
-fn a_plan_s_positions_are_expected_in_its_own_order() {
+fn positions_of_a_plan_are_expected_in_the_plans_own_order() {
     let terms = Terms {
         margin_m: 10.0,
         depth_min_m: 2.0,

@@ -1,12 +1,12 @@
-//! What is no fence is refused, with the place and what was expected, in one line.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+//! An invalid fence is refused in one line, with the place and what was expected.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_fence::{Fence, FenceError, Kind};
 use serde_json::{Value, json};
 
 const SQUARE: &str = "[[-70.0, 42.0], [-69.99, 42.0], [-69.99, 42.01], [-70.0, 42.01], [-70.0, 42.0]]";
 
-/// A document of one feature, whose properties and geometry are given.
+/// A feature with these properties and this geometry.
 fn feature(properties: &Value, geometry: &Value) -> Value {
     json!({ "type": "Feature", "properties": properties, "geometry": geometry })
 }
@@ -66,11 +66,11 @@ fn with_property(key: &str, value: Value) -> String {
 }
 
 #[test]
-fn a_good_fence_is_taken() {
+fn a_valid_fence_is_accepted() {
     let text = collection(&[feature(&keep_in(), &square())]);
     let fence = Fence::from_geojson(&text).unwrap();
     assert_eq!(fence.zones().count(), 1);
-    // As written by editors and by GDAL.
+    // A document as editors and GDAL write it.
     let decorated = format!(
         "\u{feff}{}",
         text.replacen(
@@ -83,7 +83,7 @@ fn a_good_fence_is_taken() {
 }
 
 #[test]
-fn json_faults_have_their_line() {
+fn errors_in_json_name_their_line() {
     assert_eq!(refused(""), "line 1 column 0: EOF while parsing a value");
     assert_eq!(
         refused("{\n  \"type\": \"FeatureCollection\",\n}"),
@@ -93,14 +93,14 @@ fn json_faults_have_their_line() {
     assert!(refused("{\n\"a\": NaN}").starts_with("line 2 column 6"));
     assert_eq!(
         refused("{\"type\": 1,\n\n\"type\": 2}"),
-        "line 3 column 6: key `type` is given twice, expected it once"
+        "line 3 column 6: key `type` is given twice, expected it only once"
     );
     let deep = "[".repeat(100_000);
     assert!(refused(&deep).contains("recursion limit"));
 }
 
 #[test]
-fn what_is_no_feature_collection_is_named() {
+fn a_document_that_is_no_feature_collection_is_refused_with_what_it_is() {
     assert_eq!(refused("[]"), "document: an array, expected a FeatureCollection");
     assert_eq!(
         refused("{}"),
@@ -145,7 +145,7 @@ fn fences_without_zones_are_refused() {
 }
 
 #[test]
-fn geometry_is_areas_circles_and_corridors_only() {
+fn only_areas_circles_and_corridors_are_accepted_as_geometry() {
     let with = |geometry: Value| refused(&collection(&[feature(&keep_in(), &geometry)]));
     assert_eq!(
         with(json!({ "type": "MultiPoint", "coordinates": [[1, 2]] })),
@@ -176,7 +176,7 @@ fn geometry_is_areas_circles_and_corridors_only() {
 }
 
 #[test]
-fn properties_are_complete_and_known() {
+fn missing_and_unknown_properties_are_refused() {
     let without = |key: &str| {
         let mut properties = keep_in();
         properties.as_object_mut().unwrap().remove(key);
@@ -233,7 +233,7 @@ fn properties_are_complete_and_known() {
 }
 
 #[test]
-fn values_are_in_range() {
+fn values_out_of_range_are_refused() {
     for (key, value, expected) in [
         (
             "margin_m",
@@ -288,10 +288,10 @@ fn values_are_in_range() {
 }
 
 #[test]
-fn windows_are_times_in_order() {
+fn windows_need_valid_times_in_order() {
     assert_eq!(
         with_property("valid_from", json!("tomorrow")),
-        "feature 'survey box': `valid_from` is \"tomorrow\", expected a time of RFC 3339, as \"2026-05-01T08:00:00Z\""
+        "feature 'survey box': `valid_from` is \"tomorrow\", expected a time of RFC 3339, such as \"2026-05-01T08:00:00Z\""
     );
     assert!(with_property("valid_until", json!(1_777_622_400)).contains("`valid_until` is 1777622400"));
     let mut properties = keep_out();
@@ -307,7 +307,7 @@ fn windows_are_times_in_order() {
 }
 
 #[test]
-fn names_are_unlike() {
+fn duplicate_names_are_refused() {
     let features = [
         feature(&keep_in(), &square()),
         feature(&keep_out(), &square()),
@@ -315,12 +315,12 @@ fn names_are_unlike() {
     ];
     assert_eq!(
         refused(&collection(&features)),
-        "feature 3: `name` is 'survey box', as that of feature 1, expected unlike names"
+        "feature 3: `name` is 'survey box', the same as that of feature 1, expected different names"
     );
 }
 
 #[test]
-fn positions_are_on_earth_and_away_from_the_poles() {
+fn positions_off_the_earth_or_near_the_poles_are_refused() {
     let with = |position: Value| {
         let mut geometry = square();
         geometry["coordinates"][0][2] = position;
@@ -349,7 +349,7 @@ fn positions_are_on_earth_and_away_from_the_poles() {
 }
 
 #[test]
-fn rings_are_closed_and_enclose_something() {
+fn rings_must_be_closed_and_enclose_something() {
     assert_eq!(
         with_ring(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]),
         "feature 'survey box' outer ring: ring is open, vertex 4 differs from vertex 1, expected the first vertex again as the last"
@@ -364,7 +364,7 @@ fn rings_are_closed_and_enclose_something() {
     );
     assert_eq!(
         with_ring(&[(0.0, 0.0), (0.0, 5.0), (0.0, 10.0), (0.0, 0.0)]),
-        "feature 'survey box' outer ring: zero area, all vertices lie on one line, expected a ring that encloses something"
+        "feature 'survey box' outer ring: zero area, all vertices lie on one line, expected a ring that encloses an area"
     );
     assert_eq!(
         with_ring(&[
@@ -381,14 +381,14 @@ fn rings_are_closed_and_enclose_something() {
 }
 
 #[test]
-fn edges_that_cross_are_named_with_their_place() {
+fn crossing_edges_are_named_with_their_place() {
     let bow_tie = [(0.0, 0.0), (10.0, 10.0), (10.0, 0.0), (0.0, 10.0), (0.0, 0.0)];
     let text = "feature 'survey box' outer ring: edge 1 crosses or touches edge 3 at latitude 42.005000 longitude -69.995000, expected edges that meet at their shared vertices only";
     assert_eq!(with_ring(&bow_tie), text);
     let turned: Vec<_> = bow_tie.into_iter().rev().collect();
-    // The other way round edge 2 leads from the third vertex to the first crossing's other edge.
+    // In the other direction edges 2 and 4 cross.
     assert!(with_ring(&turned).contains("edge 2 crosses or touches edge 4 at latitude 42.005000 longitude -69.995000"));
-    // A vertex that touches an edge, and a vertex met twice.
+    // A vertex that touches an edge, and then a vertex that occurs twice.
     let touch = [
         (0.0, 0.0),
         (10.0, 0.0),
@@ -422,8 +422,8 @@ fn edges_that_cross_are_named_with_their_place() {
 }
 
 #[test]
-fn a_crossing_is_named_by_the_files_own_numbers_whichever_way_the_ring_runs() {
-    // Its edge 3 is crossed by edge 5; the other way round, and after a repeated vertex.
+fn a_crossing_is_named_by_the_files_own_numbers_in_either_direction() {
+    // Edge 5 crosses edge 3, also in a ring of the other direction. After a repeated vertex the numbers are one higher.
     let text = with_ring(&[
         (0.0, 0.0),
         (10.0, 0.0),
@@ -463,7 +463,7 @@ fn a_crossing_is_named_by_the_files_own_numbers_whichever_way_the_ring_runs() {
 }
 
 #[test]
-fn holes_lie_inside_their_polygon_and_apart() {
+fn holes_must_lie_inside_their_polygon_and_apart() {
     let small = [(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0), (1.0, 1.0)];
     let outside = small.map(|(east, north)| (east + 20.0, north));
     let within = [(1.2, 1.2), (1.8, 1.2), (1.8, 1.8), (1.2, 1.2)];
@@ -471,7 +471,7 @@ fn holes_lie_inside_their_polygon_and_apart() {
     let overlapping = small.map(|(east, north)| (east + 0.5, north + 0.5));
     assert_eq!(
         with_holes(&[&small, &outside]),
-        "feature 'survey box' hole 2: hole lies outside of its polygon, expected it inside the outer ring"
+        "feature 'survey box' hole 2: hole lies outside its polygon, expected a hole inside the outer ring"
     );
     assert_eq!(
         with_holes(&[&within, &small]),
@@ -501,7 +501,7 @@ fn polygons_of_a_multipolygon_are_numbered() {
 }
 
 #[test]
-fn the_antimeridian_is_not_crossed() {
+fn a_fence_across_the_antimeridian_is_refused() {
     let across = polygon(&[vec![(179.99, 10.0), (-179.99, 10.0), (-179.99, 10.01), (179.99, 10.0)]]);
     assert_eq!(
         refused(&collection(&[feature(&keep_in(), &across)])),
@@ -518,7 +518,7 @@ fn the_antimeridian_is_not_crossed() {
         refused(&collection(&[feature(&keep_in(), &west), feature(&keep_out(), &east)]))
             .starts_with("fence: crosses the antimeridian")
     );
-    // Up to it is well.
+    // A fence that ends at the antimeridian is accepted.
     let beside = polygon(&[vec![(179.99, 10.0), (180.0, 10.0), (180.0, 10.01), (179.99, 10.0)]]);
     assert!(Fence::from_geojson(&collection(&[feature(&keep_in(), &beside)])).is_ok());
 }
@@ -527,7 +527,7 @@ fn the_antimeridian_is_not_crossed() {
 fn fences_over_fifty_kilometres_are_refused() {
     assert_eq!(
         with_ring(&[(0.0, 0.0), (10.0, 0.0), (10.0, 455.0), (0.0, 455.0), (0.0, 0.0)]),
-        "feature 'survey box' outer ring vertex 3: farthest out of a fence 50.5 km across, expected at most 50 km"
+        "feature 'survey box' outer ring vertex 3: farthest out in a fence 50.5 km across, expected at most 50 km"
     );
     let text = with_ring(&[(0.0, 0.0), (10_000.0, 0.0), (10_000.0, 10_000.0), (0.0, 0.0)]);
     assert!(text.ends_with("km across, expected at most 50 km"), "{text}");
@@ -555,11 +555,11 @@ fn a_margin_that_leaves_nothing_is_refused() {
         text,
         "feature 'survey box' outer ring: `margin_m` of 450 leaves nothing inside, expected under 414.254, half of its width"
     );
-    // A slanting strip is as narrow as it is wide.
+    // What counts for a slanting strip is its width across.
     let strip = ring(&[(0.0, 0.0), (0.2, 0.0), (10.2, 10.0), (10.0, 10.0), (0.0, 0.0)]);
     let text = refused(&collection(&[feature(&keep_in(), &polygon(&[strip]))]));
     assert!(text.contains("leaves nothing inside"), "{text}");
-    // A keep-out zone's margin may be as wide as it likes.
+    // A keep-out zone's margin may have any width.
     let mut wide = keep_out();
     wide["margin_m"] = json!(450);
     assert!(
@@ -588,7 +588,7 @@ fn more_than_a_million_vertices_are_refused() {
 }
 
 #[test]
-fn errors_can_be_told_apart_by_programs() {
+fn programs_can_distinguish_the_errors() {
     let error = Fence::from_geojson(&collection(&[feature(&keep_in(), &polygon(&[ring(&[])]))])).unwrap_err();
     let FenceError::TooFewVertices { place, found: 0 } = error else {
         panic!("{error}")
@@ -600,7 +600,7 @@ fn errors_can_be_told_apart_by_programs() {
 }
 
 #[test]
-fn surfacing_is_true_or_false_and_a_keep_in_zones_own() {
+fn surfacing_is_true_or_false_and_only_for_keep_in_zones() {
     let message = with_property("surfacing", json!("yes"));
     assert!(
         message.contains("`surfacing` is \"yes\", expected true or false"),
@@ -630,10 +630,10 @@ fn a_keep_in_zone_that_a_keep_out_zone_covers_is_refused() {
             .map(|_| ())
             .map_err(|error| error.to_string())
     };
-    let message = "feature 'survey box' outer ring: lies wholly inside keep-out zone 'wreck', expected a part that can be reached";
+    let message = "feature 'survey box' outer ring: lies wholly inside keep-out zone 'wreck', expected a part that the vehicle can reach";
     let around =
         |low: f64, high: f64| polygon(&[ring(&[(low, low), (high, low), (high, high), (low, high), (low, low)])]);
-    // Around it, and the very same ring: the two kinds mistaken for each other.
+    // The keep-out zone lies around the keep-in zone, or has the very same ring, as if the two kinds had been swapped.
     assert_eq!(
         zones(&keep_in(), &keep_out(), &around(-1.0, 11.0)),
         Err(message.to_owned())
@@ -643,7 +643,7 @@ fn a_keep_in_zone_that_a_keep_out_zone_covers_is_refused() {
         zones(&keep_in(), &keep_out(), &around(0.0, 11.0)),
         Err(message.to_owned())
     );
-    // Something is left.
+    // A part is left.
     assert_eq!(zones(&keep_in(), &keep_out(), &around(0.0, 9.9)), Ok(()));
     assert_eq!(zones(&keep_in(), &keep_out(), &around(1.0, 12.0)), Ok(()));
     let notched = polygon(&[ring(&[

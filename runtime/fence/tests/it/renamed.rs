@@ -1,4 +1,4 @@
-//! Files of before are refused with the names of now.
+//! Files with former names are refused with the present names.
 
 use backseat_fence::{Fence, Terms};
 
@@ -18,7 +18,7 @@ const TERMS: Terms = Terms {
 };
 
 #[test]
-fn a_kind_of_zone_by_the_name_that_it_had_is_refused_with_the_one_that_it_has() {
+fn a_former_kind_of_zone_is_refused_with_its_present_name() {
     for (old, new) in [("inclusion", "keep-in"), ("exclusion", "keep-out")] {
         let expected = format!("`kind` is \"{old}\", expected \"{new}\", as it is called now");
         for error in [

@@ -1,5 +1,5 @@
-//! Circles and corridors: they hold what is in them, to a centimetre, and nothing else.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+//! Circles and corridors contain what is in them, to a centimetre, and nothing else.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_fence::{Fence, Rule, Shape, Sweep, VerticalExtent};
 use backseat_units::{EastNorth, LocalFrame, Position};
@@ -50,7 +50,7 @@ fn load(features: &[(Value, Value)]) -> Result<Fence, String> {
     Fence::from_geojson(&text).map_err(|error| error.to_string())
 }
 
-/// The clearance of a place, negative where it does not hold.
+/// The clearance at a place; negative if the place is a breach.
 fn clearance(fence: &Fence, east_m: f64, north_m: f64) -> f64 {
     let at = fence.frame().to_local(position(EastNorth::new(east_m, north_m)));
     match fence.check(&Sweep::new(Shape::point(at), 0.0), &VERTICAL) {
@@ -86,7 +86,7 @@ fn circles_are_round_to_a_centimetre_and_never_laxer() {
             let bearing = f64::from(step) * 1.8;
             for off_m in [(-0.3 * radius_m).max(-900.0), -0.02, 0.02, 0.1 * radius_m] {
                 let at = EastNorth::default().offset(bearing, radius_m + off_m);
-                // The frames of the fence and of this test are the same: both are around the circle's middle.
+                // The fence and this test have the same frame: both have their origin in the circle's middle.
                 let held_m = clearance(&within, at.east_m, at.north_m);
                 assert!(
                     (-0.0122..=0.0).contains(&(held_m + off_m)),
@@ -105,7 +105,7 @@ fn circles_are_round_to_a_centimetre_and_never_laxer() {
 }
 
 #[test]
-fn the_edge_of_a_circle_is_one() {
+fn a_circle_has_one_edge() {
     let fence = load(&[(keep_in("radius_m", 300.0), point(0.0, 0.0))]).unwrap();
     for bearing in [0.0, 100.0, 200.0, 300.0] {
         let at = EastNorth::default().offset(bearing, 200.0);
@@ -115,12 +115,12 @@ fn the_edge_of_a_circle_is_one() {
 }
 
 #[test]
-fn a_corridor_is_passed_along_and_not_left() {
+fn a_corridor_allows_its_line_and_nothing_outside() {
     let way = [(0.0, 0.0), (1000.0, 0.0), (1000.0, 800.0), (1800.0, 1500.0)];
     let fence = load(&[(keep_in("half_width_m", 50.0), line(&way))]).unwrap();
     let local = |(east_m, north_m)| fence.frame().to_local(position(EastNorth::new(east_m, north_m)));
     for (ends, edge) in way.windows(2).zip(1..) {
-        // The legs of the line itself, their corners included, which lie in one polygon.
+        // The corridor is one polygon that contains each leg of the line with its corners.
         let leg = Sweep::new(Shape::leg(local(ends[0]), local(ends[1])), 0.0);
         let held = fence.check(&leg, &VERTICAL).unwrap();
         assert!((49.4..=50.0).contains(&held.metres), "{held:?}");
@@ -130,7 +130,7 @@ fn a_corridor_is_passed_along_and_not_left() {
     }
     let short_cut = Sweep::new(Shape::leg(local(way[0]), local(way[2])), 0.0);
     assert_eq!(fence.check(&short_cut, &VERTICAL).unwrap_err().rule, Rule::KeepIn);
-    // Both round ends.
+    // The corridor goes 50 m beyond the line's start.
     assert!(clearance(&fence, -49.0, 0.0) > 0.0 && clearance(&fence, -51.0, 0.0) < 0.0);
 }
 
@@ -143,7 +143,7 @@ fn a_corridor_that_cannot_be_drawn_is_refused_with_its_place() {
         "feature 'in': turns too tightly at vertex 2 for its `half_width_m` of 50, expected longer legs, a smaller width, or a polygon"
     );
     assert!(refused(&[(0.0, 0.0), (500.0, 0.0), (10.0, 0.0)], 5.0).contains("turns too tightly at vertex 2"));
-    // A lawnmower whose lines are nearer to each other than they are wide.
+    // The last leg crosses the first.
     let crossing = refused(
         &[
             (0.0, 0.0),
@@ -156,9 +156,9 @@ fn a_corridor_that_cannot_be_drawn_is_refused_with_its_place() {
     );
     assert!(crossing.contains("crosses or touches"), "{crossing}");
     assert!(refused(&[(0.0, 0.0)], 50.0).starts_with("feature 'in'"));
-    assert!(refused(&[(0.0, 0.0), (0.0, 0.0)], 50.0).contains("line of no length"));
+    assert!(refused(&[(0.0, 0.0), (0.0, 0.0)], 50.0).contains("line without length"));
     assert!(refused(&[(0.0, 0.0), (0.0, 90_000.0)], 50.0).contains("km across"));
-    // None of this matters around a keep-out zone.
+    // None of this matters for a keep-out zone.
     let both = load(&[
         (keep_in("radius_m", 5000.0), point(0.0, 0.0)),
         (
@@ -170,7 +170,7 @@ fn a_corridor_that_cannot_be_drawn_is_refused_with_its_place() {
 }
 
 #[test]
-fn lengths_of_circles_and_corridors_are_given_and_in_range() {
+fn circles_and_corridors_need_a_length_within_the_range() {
     let refused = |properties: Value, geometry: Value| load(&[(properties, geometry)]).unwrap_err();
     let mut bare = keep_in("radius_m", 5.0);
     bare.as_object_mut().unwrap().remove("radius_m");
@@ -208,7 +208,7 @@ proptest! {
         let wide = (keep_in("radius_m", 20_000.0), point(0.0, 0.0));
         let around = load(&[wide, (keep_out("half_width_m", half_width_m), line(&way))]).unwrap();
         let within = load(&[(keep_in("half_width_m", half_width_m), line(&way))]);
-        // Corners are round to a hundredth of the width, and at least to a centimetre; frames differ by a little.
+        // Corners are round to a hundredth of the width, and to at least a centimetre. The frames differ a little.
         let tolerance_m = 0.03 + 0.0101 * half_width_m;
         for (leg, share, bearing, reach) in places {
             let leg = leg.index(way.len() - 1);
@@ -221,7 +221,7 @@ proptest! {
             } else {
                 prop_assert!(kept_m < 0.02, "{kept_m} {off_m}");
             }
-            // Lines that come back over themselves have no outline.
+            // Lines that cross themselves have no outline.
             if let Ok(within) = &within {
                 let held_m = clearance(within, at.east_m, at.north_m);
                 if off_m < 0.0 {

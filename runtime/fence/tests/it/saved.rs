@@ -1,4 +1,4 @@
-//! Written out as GeoJSON and read again, a fence of any file judges as it did.
+//! A fence of any file that is written as GeoJSON and read again judges as before.
 
 use backseat_fence::{Fence, Kind, Shape, Span, Sweep, Terms, VerticalExtent};
 use backseat_units::{EastNorth, Utc};
@@ -43,7 +43,7 @@ const TERMS: Terms = Terms {
 };
 
 #[test]
-fn a_fence_that_is_written_out_and_read_again_judges_as_it_did() {
+fn a_fence_that_is_written_out_and_read_again_judges_as_before() {
     let fences = [
         Fence::from_geojson(GEOJSON).unwrap(),
         Fence::from_plan(PLAN, &TERMS).unwrap(),
@@ -85,7 +85,8 @@ fn a_fence_that_is_written_out_and_read_again_judges_as_it_did() {
                     outside += 1;
                     assert_eq!(ours.rule, theirs.rule);
                 }
-                // Between the two are the centimetre by which edges are divided and the plane's own.
+                // The two may differ by the centimetre by which edges are divided, and by the difference of their
+                // planes.
                 (Ok(clearance), Err(breach)) | (Err(breach), Ok(clearance)) => {
                     assert!(
                         clearance.metres < 0.05 && breach.metres < 0.05,
@@ -99,7 +100,7 @@ fn a_fence_that_is_written_out_and_read_again_judges_as_it_did() {
 }
 
 #[test]
-fn what_is_written_has_areas_alone() {
+fn the_written_geojson_has_only_areas() {
     let fence = Fence::from_geojson(GEOJSON).unwrap();
     let text = fence.to_geojson();
     assert!(!text.contains("Point") && !text.contains("LineString"), "{text}");

@@ -1,4 +1,4 @@
-//! Several shapes at once are judged as one by one.
+//! Several shapes at once are judged as if one by one.
 
 use backseat_fence::{Fence, Rule, Shape, Sweep, VerticalExtent};
 use backseat_units::EastNorth;
@@ -41,7 +41,7 @@ fn shapes() -> impl Strategy<Value = Vec<Shape>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
     #[test]
-    fn several_shapes_hold_where_each_of_them_does(shapes in shapes(), radius_m in 0.0..40.0) {
+    fn several_shapes_pass_only_if_each_of_them_does(shapes in shapes(), radius_m in 0.0..40.0) {
         let fence = Fence::from_geojson(GEOJSON).unwrap();
         let each: Vec<_> = shapes.iter().map(|shape| fence.check(&Sweep::new(*shape, radius_m), &VERTICAL)).collect();
         match fence.check_all(&shapes, radius_m, &VERTICAL, DEPTHS_M) {
@@ -58,7 +58,7 @@ proptest! {
 }
 
 #[test]
-fn a_rim_and_what_is_no_number_are_judged_as_ever() {
+fn a_rim_and_nan_are_judged_as_always() {
     let fence = Fence::from_geojson(GEOJSON).unwrap();
     let middle = EastNorth::new(-300.0, -500.0);
     let rim = Shape::rim(middle, 50.0);
@@ -72,7 +72,7 @@ fn a_rim_and_what_is_no_number_are_judged_as_ever() {
 }
 
 #[test]
-fn a_keep_out_zone_counts_at_all_depths_that_are_passed_and_a_keep_in_zone_at_the_extents_alone() {
+fn a_keep_out_zone_counts_at_all_depths_on_the_way_and_a_keep_in_zone_only_at_the_given_extent() {
     let fence = Fence::from_geojson(
         r#"{"type":"FeatureCollection","features":[
         {"type":"Feature","properties":{"name":"box","kind":"keep-in","margin_m":1,"depth_min_m":5,"depth_max_m":40,"altitude_min_m":2},

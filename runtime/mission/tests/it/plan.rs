@@ -22,7 +22,7 @@ fn load(more: &str, files: &[(&str, &str)]) -> Result<Mission, MissionError> {
 }
 
 #[test]
-fn what_only_simulation_knows_keeps_no_mission_from_being_read() {
+fn an_error_in_the_world_does_not_prevent_reading_a_mission() {
     for world in ["nonsense", "[seabed]\ngrid = \"nowhere.asc\"\n", ""] {
         assert!(load("", &[("world.toml", world)]).is_ok(), "{world}");
     }
@@ -57,7 +57,7 @@ fn a_plan_that_cannot_be_read_is_named_with_its_place() {
 }
 
 #[test]
-fn a_plan_is_held_against_the_class_where_the_mission_says_one() {
+fn a_plan_is_checked_against_the_class_if_the_mission_names_one() {
     let plan = [("plan.toml", &*format!("{ORIGIN}{WAYPOINT}"))];
     assert!(load("[plan]\nfile = \"plan.toml\"\n", &plan).is_ok());
     let shallow = "[vehicle]\nclass = \"12-inch\"\n[plan]\nfile = \"plan.toml\"\n";

@@ -22,7 +22,7 @@ fn fault(mission: &str, set: &[&str]) -> String {
 }
 
 #[test]
-fn a_key_by_the_name_that_it_had_is_refused_with_the_one_that_it_has() {
+fn a_former_key_is_refused_with_its_present_name() {
     for (old, new) in [
         (
             "[[driver]]\nname = \"usbl\"\nsends = [\"BPNPU\"]",

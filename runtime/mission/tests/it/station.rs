@@ -59,7 +59,7 @@ fn load(mission: &str) -> Result<Mission, MissionError> {
 }
 
 #[test]
-fn a_mission_says_its_boxes_and_the_rest_has_defaults() {
+fn a_mission_states_its_boxes_and_the_rest_has_defaults() {
     let mission = load(MISSION).unwrap();
     let station = mission.envelope.limits().station.clone().unwrap();
     assert_eq!((station.speed_default_mps, station.relative_age_max_s), (1.5, 1.0));
@@ -70,7 +70,7 @@ fn a_mission_says_its_boxes_and_the_rest_has_defaults() {
 }
 
 #[test]
-fn a_wrong_key_or_figure_of_them_is_named() {
+fn a_wrong_key_or_value_of_station_keeping_is_named() {
     let fault = |from: &str, to: &str| {
         let mission = MISSION.replace(from, to);
         assert_ne!(mission, MISSION);

@@ -7,32 +7,32 @@ use super::client::ClientId;
 /// What happened on the acoustic modem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AcousticEvent {
-    /// The payload's window began: BFCMA.
+    /// The payload's window began, and BFCMA was sent.
     WindowBegan,
     /// The payload's window ended.
     WindowEnded,
-    /// A window was left out: the vehicle is silent.
+    /// A window was skipped because the vehicle is silent.
     WindowSkipped,
     /// A payload's packet is queued.
     Queued(ClientId, u32),
-    /// A payload's packet was ignored: it came outside of a window.
+    /// A payload's packet was ignored because it arrived outside a window.
     Ignored(ClientId, u32),
-    /// A packet was sent, and heard or not by the modem with this address.
+    /// A packet was sent to a modem, which heard it or did not.
     Sent {
-        /// Its request's identifier.
+        /// The identifier of its request.
         request: u32,
-        /// The modem that it was for.
+        /// The address of the modem that it was for.
         destination: u32,
-        /// Whether that modem has heard it.
+        /// Whether that modem heard it.
         heard: bool,
-        /// What BFCPS says of its frames.
+        /// The status of its frames, as BFCPS reports it.
         status: FrameSentStatus,
     },
-    /// A packet was not sent: its window ended or the vehicle is silent.
+    /// A packet was not sent, because its window ended or the vehicle is silent.
     NotSent(u32),
     /// A packet arrived from the modem with this address.
     Received(u32),
-    /// A packet of the modem with this address was not heard.
+    /// A packet from the modem with this address was not heard.
     NotHeard(u32),
 }
 
@@ -41,9 +41,9 @@ impl fmt::Display for AcousticEvent {
         match self {
             Self::WindowBegan => f.write_str("acoustic window began"),
             Self::WindowEnded => f.write_str("acoustic window ended"),
-            Self::WindowSkipped => f.write_str("acoustic window left out: the vehicle is silent"),
+            Self::WindowSkipped => f.write_str("acoustic window skipped: the vehicle is silent"),
             Self::Queued(client, request) => write!(f, "packet {request} of {client} queued"),
-            Self::Ignored(client, request) => write!(f, "packet {request} of {client} ignored: outside of a window"),
+            Self::Ignored(client, request) => write!(f, "packet {request} of {client} ignored: outside a window"),
             Self::Sent {
                 request,
                 destination,
@@ -61,8 +61,8 @@ impl fmt::Display for AcousticEvent {
                 }
             }
             Self::NotSent(request) => write!(f, "packet {request} was not sent"),
-            Self::Received(source) => write!(f, "packet of modem {source} received"),
-            Self::NotHeard(source) => write!(f, "packet of modem {source} was not heard"),
+            Self::Received(source) => write!(f, "packet from modem {source} received"),
+            Self::NotHeard(source) => write!(f, "packet from modem {source} was not heard"),
         }
     }
 }

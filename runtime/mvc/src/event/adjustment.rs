@@ -2,7 +2,7 @@ use core::fmt;
 
 use super::client::ClientId;
 
-/// Which of the two systems.
+/// The system that is adjusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AdjustmentKind {
     /// Trim: pitch and roll.
@@ -14,11 +14,11 @@ pub enum AdjustmentKind {
 /// What happened to an adjustment of trim or buoyancy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AdjustmentEvent {
-    /// It began, asked for by a client or by the vehicle itself.
+    /// It began; `None` if the vehicle began it by itself.
     Began(AdjustmentKind, Option<ClientId>),
-    /// It ended well.
+    /// It was completed.
     Completed(AdjustmentKind),
-    /// It ended otherwise: why.
+    /// It failed or was cancelled, for this reason.
     Failed(AdjustmentKind, &'static str),
 }
 
@@ -37,7 +37,7 @@ impl fmt::Display for AdjustmentEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Began(kind, Some(client)) => write!(f, "{} adjustment of {client} began", kind.name()),
-            Self::Began(kind, None) => write!(f, "{} adjustment of the vehicle's own began", kind.name()),
+            Self::Began(kind, None) => write!(f, "{} adjustment by the vehicle itself began", kind.name()),
             Self::Completed(kind) => write!(f, "{} adjustment completed", kind.name()),
             Self::Failed(kind, why) => write!(f, "{} adjustment ended: {why}", kind.name()),
         }

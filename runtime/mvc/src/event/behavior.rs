@@ -15,11 +15,11 @@ pub enum Status {
     WrappingUp,
     /// Climbing to the surface after an abort with errors.
     Aborting,
-    /// Over, as planned.
+    /// Over as planned.
     Completed,
     /// Over, before its end.
     Aborted,
-    /// Killed: no movement.
+    /// Killed: the vehicle does not move.
     Stopped,
 }
 
@@ -39,12 +39,12 @@ impl Status {
     }
 }
 
-/// Which behavior: an element of the plan, or an insert.
+/// A behavior: an element of the plan, or an insert.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Behavior {
     /// Where it comes from.
     pub source: Source,
-    /// Its type, as in BFMBS: `trackline`.
+    /// Its type as in BFMBS, such as `trackline`.
     pub kind: &'static str,
 }
 
@@ -55,7 +55,7 @@ pub enum Source {
     Plan(u32),
     /// The insert with this identifier.
     Insert(BehaviorId),
-    /// An empty mission's wait for the payload (SPI 7.20).
+    /// An empty mission that waits for the payload (SPI 7.20).
     Empty,
 }
 
@@ -64,19 +64,19 @@ pub enum Source {
 pub enum EndReason {
     /// It was flown to its end.
     Done,
-    /// It took longer than its element allows.
+    /// It took longer than its element allows, or a GPS hit got no fix in time.
     TimedOut,
     /// An insert interrupted it.
     Interrupted,
-    /// A modify went beyond the mission's limits.
+    /// A modify exceeded a limit of the mission.
     ModifyLimit,
-    /// Control was taken back, and with it the inserts.
+    /// The vehicle took control back and dropped the inserts.
     ControlLost,
     /// BPRCB ended it.
     Cancelled,
     /// BPRCE ended the element that it belongs to.
     ElementCancelled,
-    /// An empty mission has something to fly.
+    /// The empty mission has something to fly now.
     Relieved,
     /// The mission ended.
     MissionOver,
@@ -91,7 +91,7 @@ pub enum Refusal {
     Duplicate,
     /// An interrupting insert is running.
     InterruptsInterrupt,
-    /// So many are waiting already.
+    /// This many inserts wait already.
     Full(u32),
     /// The depth or altitude is beyond the vehicle's limits.
     Vertical(f64),
@@ -103,18 +103,18 @@ pub enum Refusal {
     Geometry,
     /// A GPS hit asks for a spiral to the surface (SPI 7.7: "future implementation").
     Spiral,
-    /// Taken back by BPRCA before it was decided.
+    /// BPRCA cancelled it before the vehicle had decided.
     Cancelled,
 }
 
-/// Why a waiting insert was taken out of the plan.
+/// Why a waiting insert was removed from the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CancelCause {
-    /// BPRCN or BPRCA.
+    /// A client cancelled it (BPRCN or BPRCA).
     Asked(ClientId),
     /// Control was taken back.
     ControlLost,
-    /// BPRCE ended the element that it had its place in.
+    /// BPRCE ended the element in which it was to be flown.
     ElementCancelled,
     /// The mission ended.
     MissionOver,

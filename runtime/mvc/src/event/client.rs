@@ -1,6 +1,6 @@
 use core::fmt;
 
-/// A client of the server, as the driver numbers its connections.
+/// A client of the server. The driver numbers the connections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClientId(pub u32);
 
@@ -10,16 +10,16 @@ impl fmt::Display for ClientId {
     }
 }
 
-/// Why the server cut a client off.
+/// Why the server closed a client's connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DropReason {
-    /// It does not fetch what is due to it.
+    /// It does not read what the vehicle sends.
     Backlog,
     /// Too many clients are connected.
     TooMany,
-    /// Each role that it could have is held by another client.
+    /// Other clients hold every role that it could have.
     RoleHeld,
-    /// No role is meant for its address.
+    /// Its address has no role.
     NoRole,
     /// The payload has no power.
     PowerOff,
@@ -28,10 +28,10 @@ pub enum DropReason {
 impl fmt::Display for DropReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Backlog => "it does not fetch what is due to it",
+            Self::Backlog => "it does not read what the vehicle sends",
             Self::TooMany => "too many clients",
             Self::RoleHeld => "another client holds its role",
-            Self::NoRole => "no role is meant for its address",
+            Self::NoRole => "its address has no role",
             Self::PowerOff => "the payload has no power",
         })
     }

@@ -1,7 +1,8 @@
 use core::fmt;
 
-/// A number with so many decimals, at most 9: as `{:.DECIMALS}` writes it, but for what lies exactly between two. The
-/// standard library goes through the exact decimal value, which costs ten times as much, and a log has thousands of these.
+/// A number with `DECIMALS` decimals, at most 9. It prints as with `{:.DECIMALS$}`, except for a value exactly between
+/// two results. The standard library computes the exact decimal value, which costs ten times as much, and a log has
+/// thousands of these numbers.
 pub(crate) struct Fixed<const DECIMALS: usize>(pub(crate) f64);
 
 impl<const DECIMALS: usize> Fixed<DECIMALS> {
@@ -10,7 +11,7 @@ impl<const DECIMALS: usize> Fixed<DECIMALS> {
 
 impl<const DECIMALS: usize> fmt::Display for Fixed<DECIMALS> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Above this the product below is too coarse to be rounded.
+        // Above this value the product below is too coarse to be rounded.
         const SCALED_MAX: f64 = 1e9;
         let scaled = (self.0.abs() * Self::SCALE as f64).round();
         if scaled.is_nan() || scaled >= SCALED_MAX {

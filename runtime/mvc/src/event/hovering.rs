@@ -2,44 +2,44 @@ use core::fmt;
 
 use crate::event::ClientId;
 
-/// What happens to a hovering vehicle alone (SPI 8).
+/// What happens only to a hovering vehicle (SPI 8).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HoveringEvent {
-    /// BPSUS: the mission is suspended.
+    /// BPSUS: a client suspended the mission.
     Suspended(ClientId),
     /// The suspension ended.
     SuspensionEnded(SuspensionEnd),
-    /// The vehicle returns to where its mission was suspended.
+    /// The vehicle returns to the place where its mission was suspended.
     Returning,
-    /// The mission goes on after the return; false where the place was not reached in time.
+    /// The mission goes on after the return (true), or because the vehicle did not reach the place in time (false).
     Returned(bool),
-    /// BPGHP: towards a place on the hull.
+    /// BPGHP: the vehicle moves to a place at the hull.
     HullMove {
         /// Metres to the right of midships.
         horizontal_m: f64,
-        /// Metres, as the interface counts them.
+        /// Metres from the waterline, counted as `interpretation.hull_vertical` says.
         vertical_m: f64,
         /// Metres from the hull.
         distance_m: f64,
     },
-    /// BPGBP: towards a place near the bottom.
+    /// BPGBP: the vehicle moves to a place near the bottom.
     BottomMove {
         /// Metres along x.
         x_m: f64,
         /// Metres along y.
         y_m: f64,
     },
-    /// The vehicle believes that it is where it was sent.
+    /// The vehicle believes that it has reached the place to which it was sent.
     Arrived,
-    /// BPSPD: the limit for moves, metres a second.
+    /// BPSPD: the new speed limit, metres a second.
     SpeedLimit(f64),
-    /// BPRNS: the vehicle's idea of its place moved by so many metres.
+    /// BPRNS: the position in relative navigation moved by this much, metres.
     RelativeReset(f64),
-    /// BPRBO: so many degrees were added to its bearing.
+    /// BPRBO: this many degrees were added to the inertial bearing.
     BearingOffset(f64),
     /// BPSAN: the sonar turns to this angle, degrees.
     SonarAngle(f64),
-    /// BPPTZ: the camera moves for so many tenths of a second.
+    /// BPPTZ: the camera moves, in each direction for this many tenths of a second.
     Camera {
         /// Pan.
         pan: i32,
@@ -48,16 +48,16 @@ pub enum HoveringEvent {
         /// Zoom.
         zoom: i32,
     },
-    /// BPLIT: the light is on, or off.
+    /// BPLIT: the light is on (true) or off (false).
     Light(bool),
 }
 
 /// Why a suspension ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SuspensionEnd {
-    /// BPRES.
+    /// A payload resumed the mission (BPRES).
     Resumed,
-    /// No BPSUS, BPCON, BPGHP or BPGBP came for 2 s.
+    /// No BPSUS, BPCON, BPGHP or BPGBP arrived for 2 s.
     Lapsed,
     /// Dynamic requests are no longer allowed, and a suspension needs them.
     ControlLost,
@@ -70,18 +70,22 @@ impl fmt::Display for HoveringEvent {
         match self {
             Self::Suspended(client) => write!(f, "{client} suspends the mission"),
             Self::SuspensionEnded(why) => write!(f, "suspension ended: {why}"),
-            Self::Returning => f.write_str("back to where the mission was suspended"),
-            Self::Returned(true) => f.write_str("back where the mission was suspended: it goes on"),
-            Self::Returned(false) => f.write_str("where the mission was suspended is out of reach: it goes on"),
+            Self::Returning => f.write_str("going back to where the mission was suspended"),
+            Self::Returned(true) => {
+                f.write_str("the vehicle is back where the mission was suspended: the mission goes on")
+            }
+            Self::Returned(false) => {
+                f.write_str("the vehicle did not reach the place where the mission was suspended: the mission goes on")
+            }
             Self::HullMove {
                 horizontal_m,
                 vertical_m,
                 distance_m,
             } => write!(
                 f,
-                "to the hull at {horizontal_m:.2} m, {vertical_m:.2} m, {distance_m:.2} m off"
+                "move to the hull: horizontal {horizontal_m:.2} m, vertical {vertical_m:.2} m, distance {distance_m:.2} m"
             ),
-            Self::BottomMove { x_m, y_m } => write!(f, "to the bottom at x {x_m:.2} m, y {y_m:.2} m"),
+            Self::BottomMove { x_m, y_m } => write!(f, "move over the bottom: x {x_m:.2} m, y {y_m:.2} m"),
             Self::Arrived => f.write_str("arrived where it was sent"),
             Self::SpeedLimit(mps) => write!(f, "hull relative speed limit {mps:.2} m/s"),
             Self::RelativeReset(metres) => write!(f, "relative navigation moved by {metres:.2} m"),

@@ -6,12 +6,12 @@ use backseat_spi::{BehaviorId, Text};
 use crate::event::ClientId;
 use crate::plan::PayloadText;
 
-/// What the executive did at the plan's or a payload's wish.
+/// What the executive did because the plan or a payload asked for it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MissionEvent {
-    /// A text of the plan went to the payload.
+    /// The vehicle sent a text of the plan to the payload.
     Told {
-        /// The role of the client that is meant (SPI 4.1); none is every client.
+        /// The role of the client that gets it (SPI 4.1); `None` for every client.
         role: Option<Box<str>>,
         /// Which message.
         what: Told,
@@ -24,7 +24,7 @@ pub enum MissionEvent {
     Abort {
         /// Which client.
         client: ClientId,
-        /// With errors, not as a successful mission.
+        /// Whether the mission counts as aborted with errors; otherwise as successful.
         errors: bool,
         /// Why.
         text: Text,
@@ -35,7 +35,7 @@ pub enum MissionEvent {
     CancelCurrent(ClientId),
     /// BPRCE: a payload ends the current element.
     CancelElement(ClientId),
-    /// BPSEM: a payload starts an empty mission that lasts at most so long.
+    /// BPSEM: a payload starts an empty mission that may last this long.
     EmptyMission(ClientId, Duration),
 }
 
@@ -64,11 +64,11 @@ impl fmt::Display for MissionEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Told { role, what, text } => {
-                let role = role.as_deref().unwrap_or("payload");
+                let role = role.as_deref().unwrap_or("every client");
                 match what {
-                    Told::Command => write!(f, "{role} is told: {text}"),
-                    Told::LoggingBegins => write!(f, "{role} is to log: {text}"),
-                    Told::LoggingEnds => write!(f, "{role} is to log no more: {text}"),
+                    Told::Command => write!(f, "mission command to {role}: {text}"),
+                    Told::LoggingBegins => write!(f, "start of logging, to {role}: {text}"),
+                    Told::LoggingEnds => write!(f, "end of logging, to {role}: {text}"),
                 }
             }
             Self::GpsFix(id) => write!(f, "gps fix of insert {id}"),

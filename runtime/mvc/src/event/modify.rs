@@ -2,19 +2,19 @@ use core::fmt;
 
 use super::fixed::Fixed;
 
-/// What a modify asks for; none inherits from the behavior (SPI 7.12).
+/// What a modify asks for. `None` keeps the value of the behavior (SPI 7.12).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModifyValues {
-    /// What is turned to.
+    /// The heading or the rudder angle.
     pub horizontal: Option<ModifyHorizontal>,
-    /// What is held vertically.
+    /// The depth, the altitude, the pitch or the elevator angle.
     pub vertical: Option<ModifyVertical>,
-    /// How it is driven.
+    /// The speed.
     pub speed: Option<ModifySpeed>,
 }
 
 impl ModifyValues {
-    /// Nothing is asked for.
+    /// A modify that asks for nothing.
     pub(crate) const NONE: Self = Self {
         horizontal: None,
         vertical: None,
@@ -22,16 +22,16 @@ impl ModifyValues {
     };
 }
 
-/// How a modify drives.
+/// The speed that a modify asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ModifySpeed {
     /// Speed through the water, metres a second.
     MetresPerSecond(f64),
-    /// Turns of the thruster a minute.
+    /// Speed of the thruster, revolutions a minute.
     Rpm(f64),
 }
 
-/// What a modify turns to.
+/// The horizontal value that a modify asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ModifyHorizontal {
     /// Heading, degrees from true north.
@@ -40,7 +40,7 @@ pub enum ModifyHorizontal {
     Rudder(f64),
 }
 
-/// What a modify holds vertically.
+/// The vertical value that a modify asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ModifyVertical {
     /// Depth, metres.
@@ -56,13 +56,13 @@ pub enum ModifyVertical {
 /// Why a modify ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModifyEnd {
-    /// BPEMB.
+    /// A payload ended it (BPEMB).
     Ended,
-    /// No BPRMB came for 5 s.
+    /// No BPRMB arrived for 5 s.
     Lapsed,
     /// Dynamic requests are no longer allowed.
     ControlLost,
-    /// It went beyond the mission's limits.
+    /// It exceeded a limit of the mission.
     Limit,
     /// The behavior that it modified ended.
     BehaviorEnded,
@@ -75,19 +75,19 @@ impl fmt::Display for ModifyValues {
         match self.horizontal {
             Some(ModifyHorizontal::Heading(heading)) => write!(f, "heading {} deg", Fixed::<1>(heading))?,
             Some(ModifyHorizontal::Rudder(rudder)) => write!(f, "rudder {} deg", Fixed::<1>(rudder))?,
-            None => f.write_str("heading its own")?,
+            None => f.write_str("heading of the behavior")?,
         }
         match self.vertical {
             Some(ModifyVertical::Depth(depth)) => write!(f, ", depth {} m", Fixed::<2>(depth))?,
             Some(ModifyVertical::Altitude(altitude)) => write!(f, ", altitude {} m", Fixed::<2>(altitude))?,
             Some(ModifyVertical::Pitch(pitch)) => write!(f, ", pitch {} deg", Fixed::<1>(pitch))?,
             Some(ModifyVertical::Elevator(elevator)) => write!(f, ", elevator {} deg", Fixed::<1>(elevator))?,
-            None => f.write_str(", depth its own")?,
+            None => f.write_str(", depth of the behavior")?,
         }
         match self.speed {
             Some(ModifySpeed::MetresPerSecond(speed)) => write!(f, ", speed {} m/s", Fixed::<2>(speed)),
             Some(ModifySpeed::Rpm(rpm)) => write!(f, ", {} rpm", Fixed::<0>(rpm)),
-            None => f.write_str(", speed its own"),
+            None => f.write_str(", speed of the behavior"),
         }
     }
 }

@@ -11,21 +11,23 @@ pub enum TopsideEvent {
     Queued(ClientId, Text),
     /// A payload's message was delivered to the topside, over this link.
     Delivered(Transport, Text),
-    /// A message of the topside was given to the payloads, or to the one with this role.
+    /// A message from the topside went to the payloads, or to the one with this role.
     Received(Transport, Option<Box<str>>, Text),
-    /// A payload has relayed a message that came over its own modem.
+    /// A payload relayed a message that it received with its own modem.
     Relayed(ClientId, Transport, RelayedText),
 }
 
 impl fmt::Display for TopsideEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Queued(client, text) => write!(f, "{client} tells the topside: {text}"),
+            Self::Queued(client, text) => write!(f, "{client} sends to the topside: {text}"),
             Self::Delivered(transport, text) => write!(f, "delivered to the topside by {}: {text}", name(*transport)),
             Self::Received(transport, Some(role), text) => {
-                write!(f, "the topside tells {role} by {}: {text}", name(*transport))
+                write!(f, "message from the topside to {role} by {}: {text}", name(*transport))
             }
-            Self::Received(transport, None, text) => write!(f, "the topside says by {}: {text}", name(*transport)),
+            Self::Received(transport, None, text) => {
+                write!(f, "message from the topside by {}: {text}", name(*transport))
+            }
             Self::Relayed(client, transport, text) => {
                 write!(f, "{client} relays from the topside by {}: {text}", name(*transport))
             }

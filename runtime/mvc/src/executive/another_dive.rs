@@ -6,11 +6,12 @@ use crate::event::Status;
 use crate::plan::{PlanItem, Shape};
 
 impl Mission {
-    /// The vehicle flies another dive, as where somebody on its main computer has begun one: what was of the old one ends
-    /// under its name, BFMIS names the new one, and its plan begins. The mission's status stays what it was (SPI 6.11).
+    /// Changes to another dive, as if somebody had started it on the vehicle's main computer. Everything of the old
+    /// dive ends under its old name. Then BFMIS names the new dive, and its plan begins. The mission's status does not
+    /// change (SPI 6.11).
     ///
-    /// Where the plan is the same it is only called otherwise, and what is flown goes on. A mission that is over stays as
-    /// it was called.
+    /// If `reversed` is false, the plan stays the same: only the name changes, and the vehicle flies on. An empty
+    /// mission, and one that is over, keep their name.
     pub(crate) fn change_dive(&mut self, ctx: &mut Context<'_>, file: Text, reversed: bool) {
         let goes = match self.executive.status() {
             Status::Ready | Status::Running => !self.executive.is_empty_mission(),
@@ -33,7 +34,7 @@ impl Mission {
     }
 }
 
-/// A plan from its end to its begin, numbered anew.
+/// A plan in reverse order, with new numbers.
 fn backwards(plan: &[PlanItem]) -> Vec<PlanItem> {
     let elements = plan.last().map_or(0, |item| item.element);
     let numbered = (1..).zip(plan.iter().rev());

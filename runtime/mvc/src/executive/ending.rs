@@ -10,9 +10,9 @@ use crate::vehicle::Vertical;
 
 const NO_MISSION: &str = "no mission is running";
 
-/// What ends behaviors, elements and missions before their time, and starts an empty mission.
+/// Ends behaviors, elements and missions early, and starts an empty mission.
 impl Executive {
-    /// BPRCB (SPI 7.10): ends the current behavior, whosever it is; the next one begins.
+    /// BPRCB (SPI 7.10): ends the current behavior, whichever client it belongs to, and begins the next one.
     pub(crate) fn cancel_current(&mut self, now: Timestamp, at: EastNorth) -> Result<(), String> {
         self.may_cancel()?;
         if self
@@ -27,8 +27,8 @@ impl Executive {
         Ok(())
     }
 
-    /// BPRCE (SPI 7.11): ends the current element of the plan with all of its behaviors and with the inserts that have
-    /// their place at its end, since "control passes immediately to the next element".
+    /// BPRCE (SPI 7.11): ends the current element of the plan with all its behaviors, and with the inserts at its end,
+    /// because "control passes immediately to the next element".
     pub(crate) fn cancel_element(&mut self, now: Timestamp, at: EastNorth) -> Result<(), String> {
         self.may_cancel()?;
         if self.empty {
@@ -58,19 +58,20 @@ impl Executive {
         Ok(())
     }
 
-    /// BPABT (SPI 7.16), or a fault of the vehicle: the mission ends and its wrap-up follows, with control or without.
+    /// BPABT (SPI 7.16), or a fault of the vehicle: ends the mission and begins its wrap-up, whether the payload has
+    /// control or not.
     pub(crate) fn abort(&mut self, errors: bool, details: &str) -> Result<(), &'static str> {
         match self.status {
             Status::Running => {
                 self.end_mission(errors, details);
                 Ok(())
             }
-            Status::WrappingUp | Status::Aborting => Err("the mission is ending already"),
+            Status::WrappingUp | Status::Aborting => Err("the mission is already ending"),
             Status::Ready | Status::Completed | Status::Aborted | Status::Stopped => Err(NO_MISSION),
         }
     }
 
-    /// BPKIL (SPI 7.17): the mission and all movement end, also those of a wrap-up.
+    /// BPKIL (SPI 7.17): ends the mission and all movement, also during a wrap-up.
     pub(crate) fn kill(&mut self, details: &str) -> Result<(), &'static str> {
         match self.status {
             Status::Running | Status::WrappingUp | Status::Aborting => {
@@ -81,7 +82,7 @@ impl Executive {
         }
     }
 
-    /// BPSEM (SPI 7.20). A mission that is loaded and has not started is set aside.
+    /// BPSEM (SPI 7.20). It replaces a mission that is loaded but has not started.
     pub(crate) fn start_empty(&mut self, now: Timestamp, at: EastNorth, most: Duration) -> Result<(), &'static str> {
         match self.status {
             Status::Running | Status::WrappingUp | Status::Aborting => return Err("a mission is running"),
@@ -98,7 +99,7 @@ impl Executive {
         Ok(())
     }
 
-    /// Another dive is to take the place of this one: all that was flown or asked for of this one ends.
+    /// Ends everything that is flown or requested in this dive, so that another one can replace it.
     pub(crate) fn end_dive(&mut self) {
         self.end_suspension();
         self.end_running(EndReason::MissionOver);
@@ -108,7 +109,8 @@ impl Executive {
         self.drop_queue(CancelCause::MissionOver, |_| true);
     }
 
-    /// After [`Executive::end_dive`]: another plan from its first behavior on, at once where the mission runs.
+    /// Call it after [`Executive::end_dive`]. Sets another plan, and begins its first behavior if the mission is
+    /// running.
     pub(crate) fn begin_dive(&mut self, plan: Vec<PlanItem>, now: Timestamp, at: EastNorth) {
         self.plan = plan;
         (self.index, self.element) = (0, 0);
@@ -118,13 +120,13 @@ impl Executive {
         }
     }
 
-    /// The status is told again.
+    /// Reports the status again.
     pub(crate) fn tell_status(&mut self) {
         let details = self.details.clone();
         self.set_status(self.status, details.as_str());
     }
 
-    /// The mission is over and its wrap-up begins, where it has one.
+    /// Ends the mission, and begins its wrap-up if it has one.
     pub(super) fn end_mission(&mut self, errors: bool, details: &str) {
         let status = match (self.limits.wrap_up, errors) {
             (WrapUp::None, false) => Status::Completed,

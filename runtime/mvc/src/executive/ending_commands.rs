@@ -7,10 +7,11 @@ use crate::context::Context;
 use crate::event::{MissionEvent, MvcEventKind};
 use crate::server::answers::Regarding;
 
-/// The longest that an empty mission may be asked to last, seconds: a year.
+/// The longest duration of an empty mission that can be requested, seconds: a year.
 const EMPTY_MAX_S: f64 = 365.0 * 86_400.0;
 
-/// What ends behaviors, elements and missions at a payload's wish, and starts an empty one (SPI 7.10, 7.11, 7.16, 7.17, 7.20).
+/// Commands of a payload that end behaviors, elements and missions, and start an empty mission (SPI 7.10, 7.11, 7.16,
+/// 7.17, 7.20).
 impl Mission {
     /// BPRCB. A reserved field that is neither empty nor 0 does not parse.
     pub(crate) fn cancel_current(&mut self, ctx: &mut Context<'_>, re: Regarding) {
@@ -76,7 +77,7 @@ impl Mission {
     }
 }
 
-/// Answers, and notes what was done before what it has brought about.
+/// Answers a command. The log gets the command before the events that it causes.
 fn done<E: AsRef<str>>(ctx: &mut Context<'_>, re: Regarding, outcome: Result<(), E>, event: MissionEvent) {
     match outcome {
         Ok(()) => {

@@ -11,9 +11,10 @@ use crate::plan::insert::Insert;
 use crate::plan::{PayloadText, Shape};
 use crate::vehicle::Vertical;
 
-/// What comes after what.
+/// The order of behaviors.
 impl Executive {
-    /// Ends the running behavior and begins what comes after it: an insert, what was interrupted, the next of the plan.
+    /// Ends the running behavior and begins what comes after it: an insert, the interrupted behavior, or the next
+    /// behavior of the plan.
     pub(super) fn next(&mut self, now: Timestamp, at: EastNorth, reason: EndReason) {
         self.stop_mission_clock(now);
         let in_set = self.end_running(reason).is_some_and(|ended| ended.insert.is_some());
@@ -40,7 +41,7 @@ impl Executive {
     pub(super) fn end_running(&mut self, reason: EndReason) -> Option<Running> {
         let mut running = self.running.take()?;
         (self.modified, self.modify_barred) = (Duration::ZERO, false);
-        // Every BFBDL has its BFSDL, also where the line is not flown to its end.
+        // Each BFBDL is followed by its BFSDL, even if the line is not flown to its end.
         if core::mem::take(&mut running.logging)
             && let Some(message) = &running.message
         {
@@ -109,7 +110,7 @@ impl Executive {
         });
     }
 
-    /// An empty mission waits for what the payload asks for.
+    /// An empty mission waits for requests of the payload.
     pub(super) fn begin_wait(&mut self, now: Timestamp, at: EastNorth) {
         self.begin(Running {
             behavior: Behavior {
@@ -132,7 +133,7 @@ impl Executive {
         self.running = Some(running);
     }
 
-    /// The mission leaves `Running`.
+    /// Ends the mission or its wrap-up and sets its new status.
     pub(super) fn finish(&mut self, status: Status, details: &str) {
         self.end_suspension();
         self.end_running(EndReason::MissionOver);

@@ -9,7 +9,7 @@ use crate::plan::insert::Insert;
 use crate::server::answers::Regarding;
 use crate::server::requests::Asked;
 
-/// What a payload asks of the plan and of the current behavior (SPI 7.5 to 7.9, 7.12, 7.13, 7.19).
+/// Commands of a payload for the plan and for the current behavior (SPI 7.5 to 7.9, 7.12, 7.13, 7.19).
 impl Mission {
     /// BPRMB (SPI 7.12).
     pub(crate) fn modify(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &ModifyBehavior) {
@@ -57,7 +57,7 @@ impl Mission {
         }
     }
 
-    /// BPRGP (SPI 7.7). Its section does not say that it may be pending: the outcome comes at once (SPI 4.4).
+    /// BPRGP (SPI 7.7). Its section does not say that it may be pending, so the outcome is sent at once (SPI 4.4).
     pub(crate) fn gps_hit(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &GpsHit) {
         let re = re.of(request.identifier);
         let cruise = self.executive.cruise();
@@ -73,7 +73,7 @@ impl Mission {
         self.begin(ctx, re.of(id), Asked::Cancel(id));
     }
 
-    /// BPRCA (SPI 7.9) also reaches the inserts that are still pending.
+    /// BPRCA (SPI 7.9). It also cancels the inserts that are still pending.
     pub(crate) fn cancel_all(&mut self, ctx: &mut Context<'_>, re: Regarding) {
         let (reading, client) = (*ctx.interpretation, re.client);
         let of = |insert: &Insert| takes_back(&reading, client, insert);
@@ -81,8 +81,11 @@ impl Mission {
         ctx.acknowledge(re, AckStatus::Succeeded, &format!("{waiting} cancelled"));
     }
 
-    /// BPRMP (SPI 7.19): always pending first, whatever the setting.
-    #[expect(clippy::unused_self, reason = "the mission answers it when it is decided")]
+    /// BPRMP (SPI 7.19). It is always pending first, whatever the setting is.
+    #[expect(
+        clippy::unused_self,
+        reason = "a command of the mission like the others, answered by `decide`"
+    )]
     pub(crate) fn request_plan(&self, ctx: &mut Context<'_>, re: Regarding) {
         ctx.server.begin_pending(ctx.now, re, Asked::Plan);
     }
@@ -93,7 +96,7 @@ impl Mission {
         }
     }
 
-    /// Does what was asked for, and tells the outcome.
+    /// Carries out a request and reports the outcome.
     pub(crate) fn decide(&mut self, ctx: &mut Context<'_>, re: Regarding, asked: Asked) {
         match asked {
             Asked::Insert(insert) => match self.executive.insert(ctx.now, insert, &ctx.estimate) {
@@ -105,7 +108,8 @@ impl Mission {
                 Ok(()) => ctx.acknowledge(re, AckStatus::Succeeded, ""),
                 Err(why) => ctx.acknowledge(re, AckStatus::Failed, why),
             },
-            // What is executing has a plan, and what is loaded (SPI 7.19: "the currently-executing mission plan").
+            // A running mission has a plan, and so does a loaded one (SPI 7.19: "the currently-executing mission
+            // plan").
             Asked::Plan => match self.executive.status() {
                 _ if re.muted => {}
                 Status::Ready | Status::Running => {
@@ -120,7 +124,7 @@ impl Mission {
     }
 }
 
-/// The insert, where it can be one.
+/// Returns the insert if it is valid; otherwise answers that it is not.
 fn valid(ctx: &mut Context<'_>, re: Regarding, insert: Result<Insert, String>) -> Option<Insert> {
     match insert {
         Ok(insert) if insert.id.get() == 0 => ctx.invalid(re, "identifier 0: expected 1 or more"),

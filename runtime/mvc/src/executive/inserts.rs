@@ -8,7 +8,7 @@ use crate::interpretation::Interpretation;
 use crate::plan::insert::Insert;
 
 impl Executive {
-    /// Adds an insert to the plan, or says why not.
+    /// Adds an insert to the plan, or returns why not.
     pub(crate) fn insert(&mut self, now: Timestamp, insert: Insert, estimate: &Estimate) -> Result<(), Refusal> {
         if !self.control {
             return Err(Refusal::NotAllowed);
@@ -37,8 +37,8 @@ impl Executive {
         Ok(())
     }
 
-    /// "It is not possible to interrupt an interruption" (SPI 7.5): of the whole set that has interrupted, or of the one
-    /// insert that has.
+    /// Whether an interruption is under way, because "It is not possible to interrupt an interruption" (SPI 7.5).
+    /// Depending on the interpretation, that is the whole set of inserts that has interrupted, or only the one insert.
     fn in_interruption(&self) -> bool {
         if self.interpretation.set_interrupts {
             return self.interrupting;
@@ -47,7 +47,7 @@ impl Executive {
         inserted.is_some_and(|insert| insert.interrupt)
     }
 
-    /// BPRCN: takes a waiting insert out of the plan, or says why not.
+    /// BPRCN: removes a waiting insert from the plan, or returns why not.
     pub(crate) fn cancel(&mut self, client: ClientId, id: BehaviorId) -> Result<(), &'static str> {
         if let Some(at) = self.queue.iter().position(|insert| insert.id == id) {
             let insert = &self.queue[at];
@@ -55,7 +55,7 @@ impl Executive {
                 return Err("a gps hit cannot be cancelled");
             }
             if !self.interpretation.cancel_any && insert.client != client {
-                return Err("the behavior is of another client");
+                return Err("the behavior is another client's");
             }
             self.queue.remove(at);
             self.log
@@ -68,7 +68,7 @@ impl Executive {
         Err("no such behavior is waiting")
     }
 
-    /// BPRCA: takes the waiting inserts out of the plan, and says how many.
+    /// BPRCA: removes the waiting inserts from the plan. Returns how many.
     pub(crate) fn cancel_all(&mut self, client: ClientId) -> usize {
         let reading = self.interpretation;
         self.drop_queue(CancelCause::Asked(client), |insert| {
@@ -101,7 +101,7 @@ impl Executive {
     }
 }
 
-/// Whether BPRCA of a client takes an insert (SPI 7.9).
+/// Whether a client's BPRCA cancels an insert (SPI 7.9).
 pub(super) fn takes_back(reading: &Interpretation, client: ClientId, insert: &Insert) -> bool {
     (reading.cancel_all || insert.client == client) && (reading.cancel_all_gps || !insert.is_gps_hit())
 }

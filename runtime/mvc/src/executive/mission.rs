@@ -14,13 +14,13 @@ use crate::plan::{GpsTimes, PlanItem};
 use crate::truth::Activity;
 use crate::vehicle::{Drive, HoverDemand};
 
-/// The mission's side of the interface: it takes the commands of SPI 7.5 to 7.13, 7.16, 7.17, 7.19 and 7.20 to the
-/// executive, and tells the clients what that does (SPI 5.1, 5.3, 5.4, 6.9 to 6.11, 6.20, 6.24).
+/// The mission's side of SPI: it passes the commands of SPI 7.5 to 7.13, 7.16, 7.17, 7.19 and 7.20 to the executive,
+/// and reports to the clients what the executive does (SPI 5.1, 5.3, 5.4, 6.9 to 6.11, 6.20, 6.24).
 #[derive(Debug)]
 pub(crate) struct Mission {
     pub(super) executive: Executive,
     pub(super) dive_file: Text,
-    /// BFMIS while the mission runs.
+    /// The status text of BFMIS while the mission runs.
     pub(super) running: Text,
     pub(super) empty_allowed: bool,
     /// How long a GPS hit takes.
@@ -65,7 +65,7 @@ impl Mission {
         self.executive.activity()
     }
 
-    /// One step of the vehicle: what is to move it now.
+    /// One step of the vehicle. Returns what moves it now.
     pub(crate) fn step(&mut self, ctx: &Context<'_>) -> Drive {
         self.executive.tick(ctx.now, &ctx.estimate, ctx.north.frame_deg)
     }
@@ -84,7 +84,7 @@ impl Mission {
         self.executive.deny_control(denied);
     }
 
-    /// The vehicle ends the mission that runs, or is to run.
+    /// The vehicle ends a mission that is running or waiting to start.
     pub(crate) fn fail(&mut self, details: &'static str) {
         self.executive.fail_mission(details);
     }
@@ -113,7 +113,7 @@ impl Mission {
         self.executive.suspended_until()
     }
 
-    /// What the payload that has suspended the mission has the vehicle do.
+    /// Sets the demand of the payload that has suspended the mission.
     pub(crate) fn set_hover(&mut self, hover: HoverDemand) {
         self.executive.set_hover(hover);
     }

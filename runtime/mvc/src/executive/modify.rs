@@ -11,7 +11,7 @@ use crate::vehicle::performance::Performance;
 /// A modify lapses this long after the last BPRMB (SPI 7.12).
 const MODIFY_LASTS: Duration = Duration::from_secs(5);
 
-/// The modify that is in force (SPI 7.12).
+/// The active modify (SPI 7.12).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Modify {
     client: ClientId,
@@ -21,7 +21,7 @@ pub(super) struct Modify {
 }
 
 impl Executive {
-    /// Takes a modify (SPI 7.12), or says why not.
+    /// Accepts a modify (SPI 7.12), or returns why not.
     pub(crate) fn modify(
         &mut self,
         now: Timestamp,
@@ -56,7 +56,7 @@ impl Executive {
         Ok(())
     }
 
-    /// BPEMB: whether there was a modify to end.
+    /// BPEMB: ends the modify. Returns whether there was one.
     pub(crate) fn end_modify_asked(&mut self) -> bool {
         let active = self.modify.is_some();
         self.end_modify(ModifyEnd::Ended);
@@ -82,7 +82,7 @@ impl Executive {
         self.modify_until().into_iter().chain(self.suspended_until()).min()
     }
 
-    /// Ends a modify and a suspension whose time is over.
+    /// Ends a modify and a suspension that have lapsed.
     pub(crate) fn lapse(&mut self, now: Timestamp) {
         self.lapse_suspension(now);
         if self.modify_until().is_some_and(|until| now >= until) {
@@ -97,11 +97,11 @@ impl Executive {
     }
 }
 
-/// Reads BPRMB. `grid_convergence_deg` is what to add to its heading to count from true north.
+/// Reads BPRMB. `grid_convergence_deg` is added to its heading, so that the result counts from true north.
 ///
-/// An empty horizontal mode is a heading, and an empty vertical mode a depth, as the numbers that the fields had
-/// before the modes were added; an empty speed mode is refused, since 0 means rpm here and metres a second in BPRTK. An error
-/// is the text that says which field has a value without a meaning.
+/// An empty horizontal mode means a heading and an empty vertical mode a depth, as before the modes were added. An
+/// empty speed mode is refused, because 0 means rpm here and metres a second in BPRTK. An error is a text that names
+/// the field with the invalid value.
 pub(super) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Result<ModifyValues, String> {
     let horizontal = match (request.horizontal, request.horizontal_mode) {
         (None, _) => None,
@@ -130,7 +130,7 @@ pub(super) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Resul
         (None, _) => None,
         (Some(rpm), Some(ModifySpeedMode::Rpm)) => Some(ModifySpeed::Rpm(rpm)),
         (Some(mps), Some(ModifySpeedMode::MetresPerSecond)) => Some(ModifySpeed::MetresPerSecond(mps)),
-        (Some(_), None) => return Err("speed_mode: empty beside a speed".to_owned()),
+        (Some(_), None) => return Err("speed_mode: required with speed".to_owned()),
         (Some(_), Some(ModifySpeedMode::Other(code))) => {
             return Err(format!("speed_mode {code}: expected 0 or 1"));
         }
@@ -142,7 +142,7 @@ pub(super) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Resul
     })
 }
 
-/// Which of the values is beyond the vehicle's safe operating parameters (SPI 7.12), as a text.
+/// A text that names the value beyond the vehicle's safe operating parameters (SPI 7.12), if one is.
 fn beyond(values: &ModifyValues, performance: &Performance, altitude_min_m: f64) -> Option<&'static str> {
     match values.horizontal {
         Some(ModifyHorizontal::Rudder(deg)) if deg.abs() > performance.fin_max_deg => {
@@ -164,8 +164,8 @@ fn beyond(values: &ModifyValues, performance: &Performance, altitude_min_m: f64)
         ModifySpeed::MetresPerSecond(mps) => mps,
         ModifySpeed::Rpm(rpm) => performance.speed_mps(rpm),
     });
-    // None at all is safe: the thruster stops, and the vehicle floats up. Silent mode, trim and buoyancy need it (SPI 7.22
-    // to 7.24).
+    // A speed of 0 is safe: the thruster stops, and the vehicle floats up. Silent mode, trim and buoyancy need it (SPI
+    // 7.22 to 7.24).
     speed_mps
         .is_some_and(|mps| mps != 0.0 && !(performance.speed_min_mps..=performance.speed_max_mps).contains(&mps))
         .then_some("the speed is beyond the safe limits of the vehicle")

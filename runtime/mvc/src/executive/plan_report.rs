@@ -8,13 +8,14 @@ use crate::context::Context;
 use crate::event::ClientId;
 use crate::plan::Shape;
 
-/// A circle is told as this many points a turn: chords stay within 0.9 % of the radius.
+/// Points for each turn of a reported circle. The chords stay within 0.9 % of the radius.
 const POINTS_PER_ORBIT: f64 = 24.0;
-/// More points would only tell the same circle again.
+/// The greatest number of points for a circle. More would only repeat the same circle.
 const POINTS_MAX: f64 = 240.0;
 
 impl Mission {
-    /// The whole plan as BFPLN messages (SPI 6.20), the inserts at their place in it. How many messages.
+    /// Sends the whole plan as BFPLN messages (SPI 6.20), with the inserts at their place in it. Returns the number of
+    /// messages.
     pub(super) fn send_plan(&self, ctx: &mut Context<'_>, client: ClientId) -> u32 {
         let created = ctx.stamp();
         let mut count = 0;
@@ -35,7 +36,7 @@ impl Mission {
 }
 
 impl Executive {
-    /// The points of the plan and of the inserts in it, for a vehicle at this place.
+    /// The points of the plan and of the inserts in it, for a vehicle at the place `at`.
     pub(super) fn points(&self, at: EastNorth) -> Vec<Point> {
         let lead_in_m = self.interpretation.lead_in_m;
         let (plan, inserts_after) = (self.plan(), self.inserts_after());
@@ -57,7 +58,7 @@ impl Executive {
     }
 }
 
-/// A point of a plan, as BFPLN tells it.
+/// A point of a plan, as BFPLN reports it.
 pub(super) struct Point {
     pub(super) number: Option<u32>,
     identifier: Option<BehaviorId>,
@@ -88,13 +89,13 @@ impl Teller {
         };
         self.at = match *shape {
             Shape::Waypoint { to } | Shape::GpsHit { at: to, .. } => point(PlanElementKind::Waypoint, to),
-            // It leads nowhere.
+            // These do not move the vehicle.
             Shape::Command | Shape::Idle => self.at,
             Shape::Trackline { start, end } => {
                 point(PlanElementKind::TracklineStart, start);
                 point(PlanElementKind::TracklineEnd, end)
             }
-            // A heading for a time has no place of its own: where dead reckoning ends.
+            // A heading for a time has no place of its own. The point is where dead reckoning ends.
             Shape::Setpoint { heading_deg, duration } => point(
                 PlanElementKind::Waypoint,
                 self.at.offset(heading_deg, speed_mps * duration.as_secs_f64()),
@@ -107,7 +108,8 @@ impl Teller {
             } => {
                 let entry_deg = entry_deg.unwrap_or_else(|| centre.bearing_deg(self.at));
                 let steps = (orbits.abs() * POINTS_PER_ORBIT).ceil().clamp(1.0, POINTS_MAX);
-                // Past the most points the last turns repeat the first ones, and end where the circle ends.
+                // For a circle with more points than that, whole turns are left out, so the points still end where the
+                // circle ends.
                 let turns = orbits
                     .abs()
                     .min(POINTS_MAX / POINTS_PER_ORBIT - 1.0 + orbits.abs().fract());

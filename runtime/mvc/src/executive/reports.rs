@@ -8,9 +8,10 @@ use crate::context::Context;
 use crate::event::{Behavior, ClientId, MissionEvent, MvcEventKind, Source, Status, Told};
 use crate::server::topics::Topic;
 
-/// What the clients are told of the mission.
+/// The reports of the mission to the clients.
 impl Mission {
-    /// Tells the clients and the log what the executive has done, and the log what that has cut off.
+    /// Reports to the clients and to the log what the executive has done, and to the log which clients were cut off by
+    /// that.
     pub(crate) fn settle(&mut self, ctx: &mut Context<'_>) {
         let mut log = self.executive.take_log();
         for kind in log.drain(..) {
@@ -21,7 +22,7 @@ impl Mission {
         ctx.server.settle(ctx.now);
     }
 
-    /// What a client that has switched these on is told at once.
+    /// Sends the present values to a client that has just switched on these topics.
     pub(crate) fn replay(&self, ctx: &mut Context<'_>, client: ClientId, topics: u32) {
         if topics & Topic::Mission.bit() != 0 {
             let message = self.status_message(ctx, self.executive.status(), "");
@@ -36,7 +37,7 @@ impl Mission {
         }
     }
 
-    /// What the mission tells payloads on its way (SPI 5.1).
+    /// Sends the scheduled commands of the mission to payloads (SPI 5.1).
     pub(crate) fn tell_scheduled(&mut self, ctx: &mut Context<'_>) {
         if self.executive.status() != Status::Running {
             return;
@@ -52,7 +53,7 @@ impl Mission {
         let created = ctx.stamp();
         #[expect(
             clippy::wildcard_enum_match_arm,
-            reason = "the rest is the vehicle's own affair, or acknowledged"
+            reason = "the other events are internal to the vehicle, or acknowledged"
         )]
         match kind {
             MvcEventKind::Control(granted) => {
@@ -104,7 +105,8 @@ impl Mission {
         }
     }
 
-    /// A behavior as BFMBS and BFMBE give it (SPI 6.9): an insert has an identifier, an element file and number.
+    /// The fields of a behavior in BFMBS and BFMBE (SPI 6.9): an insert has an identifier, an element has a file and a
+    /// number.
     fn behavior_fields(&self, behavior: Behavior) -> (Text, Option<u32>, Option<BehaviorId>, Text) {
         let kind = Text::cleaned(behavior.kind);
         match behavior.source {

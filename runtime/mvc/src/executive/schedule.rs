@@ -4,10 +4,10 @@ use backseat_units::Timestamp;
 
 use crate::file::MissionCommandConfig;
 
-/// When the mission tells payloads what on its way (SPI 5.1).
+/// The commands that the mission sends to payloads, with their times (SPI 5.1).
 #[derive(Debug)]
 pub(super) struct Schedule {
-    /// In the order of their times.
+    /// Sorted by time.
     commands: Vec<MissionCommandConfig>,
     next: usize,
     started: Option<Timestamp>,

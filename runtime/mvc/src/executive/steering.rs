@@ -9,9 +9,9 @@ use crate::plan::course::{Steer, Way, crabbed_deg};
 use crate::vehicle::Vertical;
 use crate::vehicle::{Demand, Drive, Throttle, Turn};
 
-/// What the running behavior, and whoever modifies it, ask of the vehicle.
+/// The demands of the running behavior, and of a modify, on the vehicle.
 impl Executive {
-    /// Goes through behaviors that are at their end, and steers the first that is not.
+    /// Ends the behaviors that are at their end, and steers the first one that is not.
     pub(super) fn steer(&mut self, now: Timestamp, estimate: &Estimate) -> Option<Steer> {
         while self.is_running() {
             let running = self.running.as_mut()?;
@@ -69,7 +69,8 @@ impl Executive {
         match asked.horizontal {
             None => Turn::Heading(own_deg),
             Some(ModifyHorizontal::Heading(true_deg)) => Turn::Heading(true_deg - convergence_deg),
-            // A turn added to what the heading's error asks for is a heading that is off by so much.
+            // Adding a turn to the one that the heading error demands is the same as shifting the heading by that turn
+            // over the gain.
             Some(ModifyHorizontal::Rudder(deg)) if self.interpretation.fins_change => {
                 Turn::Heading(own_deg + self.performance.rudder_dps(deg) / self.performance.yaw_gain_per_s)
             }
@@ -87,7 +88,8 @@ impl Executive {
             Some(ModifyVertical::Depth(depth)) => Vertical::Depth(depth),
             Some(ModifyVertical::Altitude(altitude)) => Vertical::Altitude(altitude),
             Some(ModifyVertical::Pitch(pitch)) => Vertical::Pitch(pitch),
-            // As with the rudder: a climb added to what the depth's error asks for is a depth that is off by so much.
+            // As with the rudder: adding a climb to the one that the depth error demands is the same as shifting the
+            // depth.
             Some(ModifyVertical::Elevator(deg)) if self.interpretation.fins_change => {
                 let pitch_deg = self.performance.elevator_pitch_deg(deg);
                 let rise_m = estimate.surge_mps * sin(pitch_deg.to_radians()) / self.performance.depth_gain_per_s;

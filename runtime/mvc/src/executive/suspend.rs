@@ -1,8 +1,8 @@
 //! The suspension of a hovering vehicle's mission (SPI 8.1 to 8.3).
 //!
-//! While it stands, the mission's own clock stands still: the time of the running behavior, of its element and of the
-//! element's window of dynamic requests. The mission's time limit, and the 5 s of a modify, are the vehicle's clock
-//! and go on. A modify is not taken meanwhile; inserts are, and are flown after it.
+//! During a suspension, the mission's own clock stops: the time of the running behavior, of its element and of the
+//! element's window for dynamic requests. The mission's time limit and the 5 s of a modify use the vehicle's clock,
+//! which goes on. A modify is refused during a suspension. Inserts are accepted, and flown after it.
 
 use core::time::Duration;
 
@@ -18,21 +18,21 @@ use crate::vehicle::{Drive, HoverDemand};
 
 /// A suspension lapses this long after the last BPSUS, BPCON, BPGHP or BPGBP (SPI 8.1).
 pub(crate) const SUSPENSION_LASTS: Duration = Duration::from_secs(2);
-/// A place that is not reached in this time is given up: the specification has no figure.
+/// The vehicle gives up a return that takes longer than this. The specification has no figure.
 const RETURN_LASTS: Duration = Duration::from_secs(300);
-/// So close to where the mission was suspended counts as there, metres.
+/// The vehicle has returned if it is closer than this to where the mission was suspended, metres.
 const RETURNED_M: f64 = 0.5;
-/// Speed asked for a metre of distance, per second.
+/// Demanded speed per metre of distance, per second.
 const RETURN_GAIN_PER_S: f64 = 0.25;
-/// The slowest return, metres a second: the behavior may be one that stands still.
+/// The least speed of a return, metres a second, because the behavior itself may have speed 0.
 const RETURN_MIN_MPS: f64 = 0.3;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Suspension {
     phase: Phase,
-    /// Up to when the mission's clock has been stopped.
+    /// The mission's clock has been set back for the time up to here.
     since: Timestamp,
-    /// What was running, and where.
+    /// What was running, and where the vehicle was.
     behavior: Behavior,
     at: EastNorth,
     depth_m: f64,
@@ -41,17 +41,17 @@ pub(super) struct Suspension {
 
 #[derive(Clone, Copy, Debug)]
 enum Phase {
-    /// The payload has the vehicle.
+    /// The payload controls the vehicle.
     Held {
         until: Timestamp,
         demand: Option<HoverDemand>,
     },
-    /// The vehicle has itself again, and is on its way back.
+    /// The vehicle controls itself again and is on its way back.
     Returning { until: Timestamp },
 }
 
 impl Executive {
-    /// BPSUS: whether the mission ran until now, or why it cannot be suspended.
+    /// BPSUS: suspends the mission. Returns whether it was running until now, or why it cannot be suspended.
     pub(crate) fn suspend(
         &mut self,
         now: Timestamp,
@@ -72,7 +72,7 @@ impl Executive {
             demand: None,
         };
         match &mut self.suspension {
-            // On its way back: the mission stands where it stood.
+            // The vehicle is on its way back, so the place of the suspension stays the same.
             Some(suspension) => suspension.phase = phase,
             None => {
                 self.suspension = Some(Suspension {
@@ -89,7 +89,7 @@ impl Executive {
         Ok(true)
     }
 
-    /// Starts the 2 s anew; false where nothing is suspended.
+    /// Starts the 2 s again. Returns false if nothing is suspended.
     pub(crate) fn keep_suspended(&mut self, now: Timestamp) -> bool {
         match self.suspension.as_mut().map(|suspension| &mut suspension.phase) {
             Some(Phase::Held { until, .. }) => {
@@ -100,7 +100,7 @@ impl Executive {
         }
     }
 
-    /// BPRES; false where nothing is suspended.
+    /// BPRES: resumes the mission. Returns false if nothing is suspended.
     pub(crate) fn resume_asked(&mut self, now: Timestamp) -> bool {
         let suspended = self.is_suspended();
         if suspended {
@@ -121,7 +121,7 @@ impl Executive {
         }
     }
 
-    /// What the payload has the vehicle do, where it has it.
+    /// Sets the payload's demand, if the payload controls the vehicle.
     pub(crate) fn set_hover(&mut self, hover: HoverDemand) {
         if let Some(Suspension {
             phase: Phase::Held { demand, .. },
@@ -138,14 +138,14 @@ impl Executive {
         }
     }
 
-    /// The drive while the mission's clock stands still.
+    /// The drive while the mission's clock is stopped; `None` if it is not.
     pub(super) fn fly_suspended(&mut self, now: Timestamp, estimate: &Estimate) -> Option<Drive> {
         let mission_now = self.suspension?.since;
         if !self.is_running() {
             self.end_suspension();
             return None;
         }
-        // A command may have led to another element, whose window is another.
+        // A command may have begun another element, which has another window.
         self.update_control(mission_now, estimate.at);
         if self.interpretation.suspend_needs_control && !self.control && self.is_suspended() {
             self.resume(now, SuspensionEnd::ControlLost);
@@ -172,7 +172,8 @@ impl Executive {
         }
     }
 
-    /// Stops the clock of what runs up to now. Called also before something else begins to run under a suspension.
+    /// Sets the clock of the running behavior back by the time of the suspension up to now. It is also called before
+    /// another behavior begins during a suspension.
     pub(super) fn stop_mission_clock(&mut self, now: Timestamp) {
         let Some(suspension) = &mut self.suspension else { return };
         let pause = now.since(suspension.since);
@@ -184,7 +185,7 @@ impl Executive {
         }
     }
 
-    /// The mission is over, and its suspension with it.
+    /// Ends a suspension because the mission is over.
     pub(super) fn end_suspension(&mut self) {
         let suspended = self.is_suspended();
         self.suspension = None;
@@ -209,8 +210,8 @@ impl Executive {
         }
     }
 
-    /// Whether the vehicle first returns to where the mission was suspended: "depending on the behavior" (SPI 8.3). What
-    /// has begun meanwhile has no such place.
+    /// Whether the vehicle first returns to where the mission was suspended, "depending on the behavior" (SPI 8.3). A
+    /// behavior that has begun during the suspension has no such place.
     fn returns(&self, suspension: &Suspension) -> bool {
         let Some(running) = self
             .running
@@ -240,7 +241,7 @@ impl Executive {
 }
 
 impl Suspension {
-    /// Stopped, as deep and with the heading as it was.
+    /// A demand to stay at the depth and with the heading of the suspension.
     const fn stay(&self, speed_max_mps: f64) -> HoverDemand {
         HoverDemand {
             ground: (0.0, 0.0),

@@ -10,21 +10,23 @@ use super::{
 };
 use crate::faults::Sensor;
 
-/// At full intensity a fault begins this often, on the average.
+/// The mean time from one fault to the next at full intensity, seconds.
 const EVERY_S: f64 = 15.0;
-/// No drawn plan has more faults.
+/// The most faults that a drawn plan has.
 const DRAWN_MAX: u32 = 100_000;
-/// How likely a plan of full intensity has an end of the mission or of the payload's power.
+/// The chance that a plan of full intensity ends the mission or the payload's power.
 const FATAL_CHANCE: f64 = 0.1;
-/// The commands whose acknowledgements fail: what steers, and what a session begins with.
+/// The commands whose acknowledgements fail: those that steer, and those with which a session begins.
 const COMMANDS: [&str; 7] = ["RMB", "EMB", "RTK", "RTC", "RCN", "RMP", "LOG"];
 
 impl FaultPlan {
-    /// A plan that the seed draws: faults of every kind that begin and end within `duration`. `intensity` is 0 (none)
-    /// to 1 (one begins each 15 s); what is beyond counts as the nearer of them.
+    /// Draws a plan from a seed: faults of every kind that begin and end within `duration`. `intensity` goes from 0 (no
+    /// faults) to 1 (a fault begins every 15 s on average); a value outside counts as the nearer of the two, and NaN as
+    /// 0.
     ///
-    /// Only some plans end the mission or cut the power, once and in their last fifth, so that most of a run is lived
-    /// through. Times are whole milliseconds: the plan is the same after it was written and read.
+    /// Only some plans end the mission or cut the payload's power, and only once and in their last fifth, so that most
+    /// of a run takes place before. Times are whole milliseconds, so a plan stays the same when it is written and read
+    /// back.
     #[must_use]
     pub fn draw(seed: u64, duration: Duration, intensity: f64) -> Self {
         let mut dice = Dice(Stream::new(seed, "fault plan"));
@@ -35,7 +37,7 @@ impl FaultPlan {
         };
         let seconds = duration.as_secs_f64();
         let mean = intensity * seconds / EVERY_S;
-        // As many as expected, give or take a third; at least one where there is to be any.
+        // As many as expected, give or take a third, but at least one if the intensity is above 0.
         let count = (mean * dice.between(0.67, 1.33))
             .round()
             .max(if mean > 0.0 { 1.0 } else { 0.0 });
@@ -85,14 +87,14 @@ impl Dice {
         Duration::from_millis((1000.0 * self.between(least_s, most_s)) as u64)
     }
 
-    /// A chance of two significant figures from a wide range: rare faults are told from frequent ones.
+    /// One of these chances. They span a wide range, so that some faults are rare and others frequent.
     fn rarely(&mut self, of: &[f64]) -> f64 {
         self.one(of)
     }
 
     fn fault(&mut self, seconds: f64) -> Fault {
         let at = Timestamp::ZERO + self.millis(0.0, seconds);
-        // Most are short, some outlast every time-out that there is.
+        // Most faults are short; some last longer than the usual timeouts.
         let longest_s = self.one(&[0.5, 3.0, 10.0, 40.0]);
         let lasts = self.millis(0.0, longest_s);
         let left = Timestamp::ZERO + Duration::from_millis((1000.0 * seconds) as u64);
@@ -108,7 +110,7 @@ impl Dice {
     fn untrue(&mut self) -> Untrue {
         match self.below(6) {
             0 => Untrue::PositionCreeps {
-                // From what passes for a drift to what no vehicle does.
+                // From a speed that looks like drift to one that no vehicle reaches.
                 speed_mps: self.one(&[0.2, 0.5, 1.0, 1.5, 3.0, 8.0]),
                 towards_deg: self.between(0.0, 360.0).round(),
             },
@@ -134,7 +136,7 @@ impl Dice {
             4 => LinkFaultKind::Delay {
                 delay: self.millis(0.0, 3.0),
                 jitter: self.millis(0.0, 1.0),
-                // Half of them stay what they are.
+                // Half of the delays do not grow.
                 growth: self.one(&[0.0, 0.0, 0.0, 0.02, 0.1, 0.5]),
             },
             5 => LinkFaultKind::Split {

@@ -9,7 +9,7 @@ use crate::event::ClientId;
 use crate::faults::Sensor;
 use crate::file::FaultFile;
 
-/// What goes wrong in a run, and when: data, so that it can be printed in full, kept and shrunk.
+/// What goes wrong in a run, and when. A plan is data, so it can be printed in full, stored and shrunk.
 ///
 /// ```
 /// let plan = backseat_mvc::FaultPlan::from_toml(r#"
@@ -32,95 +32,97 @@ use crate::file::FaultFile;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FaultPlan {
-    /// In any order; a fault's number is its place here, from 1.
+    /// The faults, in any order. A fault's number is its place here, from 1.
     pub faults: Vec<Fault>,
 }
 
-/// Something that goes wrong for a time.
+/// One fault, with its time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// When it begins.
     pub at: Timestamp,
-    /// How long it lasts; zero is an instant.
+    /// How long it lasts; zero for an instantaneous fault.
     pub lasts: Duration,
-    /// What it is.
+    /// What goes wrong.
     pub kind: FaultKind,
 }
 
 /// What goes wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FaultKind {
-    /// The link, as [`crate::FaultyLink`] plays it.
+    /// A fault of the link, which [`crate::FaultyLink`] plays.
     Link(LinkFault),
-    /// Acknowledgements never come.
+    /// The vehicle does not send acknowledgements.
     AcksLost(AckFilter),
-    /// Acknowledgements come later than they would by `delay`.
+    /// The vehicle sends acknowledgements later by `delay`.
     AcksLate {
-        /// Which.
+        /// Which acknowledgements.
         acks: AckFilter,
-        /// How much later, up to 60 s. The specification's time for an outcome is 2 s (6.21).
+        /// How much later, up to 60 s. The specification allows 2 s for an outcome (6.21).
         delay: Duration,
     },
-    /// Commands are refused though nothing is wrong with them.
+    /// The vehicle refuses commands although nothing is wrong with them.
     AcksNegative {
-        /// Whose; none is every command.
+        /// Which command; `None` for every command.
         command: Option<CommandName>,
-        /// What is answered.
+        /// What the vehicle answers.
         status: NegativeStatus,
-        /// The vehicle does what it says that it refuses: only a success is told as its contrary. Else it is not done.
+        /// Whether the vehicle carries out the command although it says that it refuses it. Then only an answer of
+        /// success is replaced by `status`.
         done: bool,
     },
-    /// BFCTL is 0 though the plan allows dynamic requests (SPI 6.24).
+    /// The vehicle reports BFCTL 0 although the plan allows dynamic requests (SPI 6.24), and refuses them.
     ControlTaken,
-    /// BFNVG and BFNVR repeat their values, and BFNVG its solution time.
+    /// BFNVG and BFNVR repeat their values, and BFNVG also repeats the time of the solution.
     NavigationFrozen,
-    /// The navigation's position is moved at once, and back at the end where the fault lasts.
+    /// The navigation solution jumps by this much. If the fault has a duration, the solution jumps back at its end.
     NavigationJump(EastNorth),
-    /// Neither BFNVG nor BFNVR comes.
+    /// The vehicle sends neither BFNVG nor BFNVR.
     NavigationMissing,
-    /// BFNVG and BFNVR say what is not so. The vehicle itself is well, and steers by what is so.
+    /// Navigation messages are wrong. The vehicle itself steers by the right solution.
     Untrue(Untrue),
-    /// The vehicle flies another dive from now on, and its status stays `Running` (SPI 6.9, 6.11).
+    /// The vehicle names another dive from then on, while its status stays `Running` (SPI 6.9, 6.11).
     AnotherDive {
-        /// What BFMIS and BFMBS call it.
+        /// The name of the other dive file in BFMIS and BFMBS.
         file: Text,
-        /// Its plan is the present one from its end to its begin, and is begun; else it is the same plan under another name,
-        /// and flown on.
+        /// If true, the other dive is the current plan from its last element to its first, and the vehicle begins it.
+        /// If false, the other dive is the same plan under another name, and the vehicle flies on.
         reversed: bool,
     },
-    /// The vehicle ends its mission.
+    /// The vehicle aborts its mission.
     MissionAbort,
-    /// A sensor gives nothing.
+    /// A sensor gives no data.
     SensorDropout(Sensor),
-    /// BFSHT; the payload's power goes off at the fault's end, a minute later (SPI 5.2).
+    /// The vehicle sends BFSHT, and the payload's power goes off at the fault's end, one minute later (SPI 5.2).
     Shutdown,
-    /// The vehicle's UTC is set by so many nanoseconds, and back at the end where the fault lasts.
+    /// The vehicle's UTC clock is set forward by this many nanoseconds, or back if negative. If the fault has a
+    /// duration, the clock is set back at its end.
     ClockStep(i64),
 }
 
-/// What is wrong with the words of navigation. It ends with the fault, and what is told is true again at once.
+/// How the navigation messages are wrong. At the end of the fault they are right again at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Untrue {
-    /// The position moves by so much more than the velocity says.
+    /// The reported position moves away from the solution, and BFNVR does not say so.
     PositionCreeps {
-        /// Metres a second, 0 to 100.
+        /// How fast, metres a second, 0 to 100.
         speed_mps: f64,
-        /// Where to, degrees from the frame's north.
+        /// In which direction, degrees from the frame's north.
         towards_deg: f64,
     },
-    /// The position is the same to its last digit, while all else and the time of the solution go on.
+    /// The position stays the same to its last digit, while everything else and the time of the solution go on.
     PositionFrozen,
-    /// The position goes back where the velocity goes on: from where it was at the fault's begin, as far as the vehicle
-    /// has gone ahead.
+    /// The position moves back from where it was when the fault began, as far as the vehicle has moved ahead since. The
+    /// velocity goes on.
     PositionBackwards,
-    /// BFNVR does not come, while BFNVG does.
+    /// The vehicle sends BFNVG without BFNVR.
     VelocityMissing,
-    /// The heading is turned by so many degrees at every other step.
+    /// The heading is wrong by this many degrees at every other step.
     HeadingFlips {
         /// Clockwise, -180 to 180.
         by_deg: f64,
     },
-    /// The depth is another by so many metres at every other step.
+    /// The depth is wrong by this many metres at every other step.
     DepthFlips {
         /// Downwards, -1000 to 1000.
         by_m: f64,
@@ -130,51 +132,52 @@ pub enum Untrue {
 /// A fault of the link between payloads and vehicle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkFault {
-    /// Whose link.
+    /// The link of which client.
     pub whom: Whom,
-    /// Which way. [`LinkFaultKind::Cut`] and [`LinkFaultKind::Refuse`] are of both.
+    /// In which direction. [`LinkFaultKind::Cut`] and [`LinkFaultKind::Refuse`] always act in both directions.
     pub direction: Directions,
-    /// What.
+    /// What goes wrong.
     pub kind: LinkFaultKind,
 }
 
-/// What goes wrong with a link. All act on bytes when they are written; those under way are not touched.
+/// What goes wrong with a link. Most kinds act on bytes when they are written. `Cut`, `Stall` and `Deaf` also act on
+/// bytes that are under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LinkFaultKind {
-    /// The connection is reset, with all that is under way. New ones are refused for as long as it lasts.
+    /// The connection is reset, and the bytes under way are lost. New connections are refused until the fault ends.
     Cut,
-    /// New connections are refused; those that are stay.
+    /// New connections are refused. Existing ones stay.
     Refuse,
-    /// Nothing arrives before the end, then all at once.
+    /// Nothing arrives until the fault ends; then everything arrives at once.
     Stall,
-    /// The vehicle does not read what it is sent: its computer takes and acknowledges it, and at the end it is read in
-    /// order, all at once. The other way goes on.
+    /// The vehicle's program does not read what clients send. Its computer accepts and acknowledges the bytes, and the
+    /// program reads all of them in order when the fault ends. The other direction works.
     Deaf,
-    /// All is silently lost, and the connection stays.
+    /// Bytes are lost silently, and the connection stays open.
     HalfOpen,
-    /// All takes longer by `delay`, by up to `jitter` more, and by `growth` for each second since the fault's begin,
-    /// whichever connection it is. The order stays.
+    /// Everything arrives later by `delay`, by up to `jitter` more, and by `growth` for each second since the fault
+    /// began, whichever connection it is. The order stays the same.
     Delay {
         /// At most 60 s.
         delay: Duration,
-        /// At most 60 s, uniform.
+        /// At most 60 s. The seed draws a value from 0 to this for each write.
         jitter: Duration,
-        /// Seconds a second, 0 to 1. More than 60 s do not come of it.
+        /// Seconds per second, 0 to 1. It adds at most 60 s.
         growth: f64,
     },
-    /// Bytes come in pieces of 1 to `bytes` bytes, one each `gap`.
+    /// One write arrives in pieces of 1 to `bytes` bytes, `gap` apart.
     Split {
         /// 1 to 4096.
         bytes: u32,
         /// At most 1 s.
         gap: Duration,
     },
-    /// Writes are gathered for so long, and arrive as one.
+    /// Writes are collected for `hold`, and arrive as one.
     Join {
         /// Up to 10 s.
         hold: Duration,
     },
-    /// A sentence comes twice, with this chance.
+    /// A sentence arrives twice, with this chance.
     Duplicate {
         /// 0 to 1.
         chance: f64,
@@ -191,20 +194,20 @@ pub enum LinkFaultKind {
     },
 }
 
-/// Whose link.
+/// The link of which client.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Whom {
-    /// Everyone's.
+    /// Every client.
     #[default]
     All,
-    /// The connection with this number: a client that connects again is another.
+    /// The connection with this number. A client that connects again gets another number.
     Client(ClientId),
-    /// Whoever holds this role (SPI 4.1).
+    /// The client that holds this role (SPI 4.1).
     Role(String),
 }
 
 impl Whom {
-    /// Whether a connection is meant.
+    /// Whether the fault applies to a connection.
     #[must_use]
     pub fn includes(&self, client: ClientId, role: Option<&str>) -> bool {
         match self {
@@ -215,28 +218,28 @@ impl Whom {
     }
 }
 
-/// Which ways of a link a fault is of.
+/// In which directions of a link a fault acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Directions {
-    /// Both.
+    /// Both directions.
     #[default]
     Both,
-    /// What payloads send.
+    /// From payloads to the vehicle.
     ToVehicle,
-    /// What payloads are sent.
+    /// From the vehicle to payloads.
     FromVehicle,
 }
 
-/// Which acknowledgements a fault is of.
+/// To which acknowledgements a fault applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AckFilter {
-    /// Those of this command; none is every command.
+    /// Those of this command; `None` for every command.
     pub command: Option<CommandName>,
     /// Those of this stage.
     pub stage: AckStage,
 }
 
-/// Which of a command's acknowledgements (SPI 6.21).
+/// Which of a command's acknowledgements a fault applies to (SPI 6.21).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AckStage {
     /// All.
@@ -274,13 +277,14 @@ impl FaultPlan {
         FaultFile::from_toml(text)?.plan()
     }
 
-    /// The whole plan as a file that [`FaultPlan::from_toml`] reads back as the same plan.
+    /// The whole plan as the text of a file, which [`FaultPlan::from_toml`] reads back as the same plan.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        toml::to_string(&FaultFile::of(self)).expect("a fault has only numbers and strings, and no nested table")
+        toml::to_string(&FaultFile::of(self))
+            .expect("a fault has only numbers, strings and booleans, and no nested table")
     }
 
-    /// When the last fault has ended; none where there is none.
+    /// When the last fault ends; `None` for an empty plan.
     #[must_use]
     pub fn ends(&self) -> Option<Timestamp> {
         self.faults.iter().map(Fault::until).max()

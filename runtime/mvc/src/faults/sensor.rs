@@ -3,11 +3,11 @@ use backseat_units::EastNorth;
 /// A sensor that can fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sensor {
-    /// The Doppler log: no bottom lock, no BFDVL and BFDV2.
+    /// The Doppler log: no bottom lock, no BFDVL and no BFDV2.
     Dvl,
-    /// The altitude: BFNVG gives none. The Doppler log goes on.
+    /// The altitude: BFNVG has none. The Doppler log goes on.
     Altimeter,
-    /// GPS: no fixes on the surface.
+    /// GPS: no fixes at the surface.
     Gps,
     /// The compasses: no BFRCM.
     Compass,
@@ -15,18 +15,18 @@ pub enum Sensor {
     Depth,
     /// Gyroscopes and accelerometers: no BFIMU.
     Imu,
-    /// The CTD: no BFCTD, and no estimate of the speed of sound by it.
+    /// The CTD: no BFCTD, and no estimate of the speed of sound from it.
     Ctd,
-    /// The sensor for the speed of sound: BFSVS is estimated.
+    /// The sensor for the speed of sound: BFSVS is an estimate.
     SoundVelocity,
-    /// The tailcone's: no BFRVL and BFERC.
+    /// The sensors of thruster, rudder and elevator: no BFRVL and no BFERC.
     Tailcone,
-    /// The state of the links: no BFTEL.
+    /// The state of the links to the topside: no BFTEL.
     Telemetry,
 }
 
 impl Sensor {
-    /// All of them.
+    /// All sensors.
     pub const ALL: [Self; 10] = [
         Self::Dvl,
         Self::Altimeter,
@@ -41,16 +41,16 @@ impl Sensor {
     ];
 }
 
-/// How sensors and navigation fail. Each stands until it is taken back.
+/// How sensors and navigation fail. A failure lasts until the driver ends it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SensorFailure {
-    /// What navigation tells stands still, its values and the time of its solution (true), or goes on (false). The
-    /// vehicle itself steers on.
+    /// BFNVG and BFNVR repeat their values, including the time of the solution (true), or report the solution again
+    /// (false). The vehicle itself steers by the right solution.
     Frozen(bool),
-    /// BFNVG and BFNVR are not sent (true), or again (false).
+    /// BFNVG and BFNVR are not sent (true), or are sent again (false).
     Silent(bool),
-    /// The solution jumps so far, metres, and stays wrong until a fix: the vehicle steers by it.
+    /// The solution jumps by this much, metres, and stays wrong until a fix. The vehicle steers by it.
     Jump(EastNorth),
-    /// A sensor gives nothing (true), or works again (false).
+    /// A sensor gives no data (true), or works again (false).
     Dropout(Sensor, bool),
 }

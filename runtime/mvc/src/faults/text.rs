@@ -29,7 +29,7 @@ impl fmt::Display for FaultKind {
                     NegativeStatus::Invalid => "invalid",
                     NegativeStatus::Failed => "failed",
                 };
-                let done = if *done { ", and done all the same" } else { "" };
+                let done = if *done { ", but carried out" } else { "" };
                 write!(f, "{} refused as {status}{done}", Commands(*command))
             }
             Self::ControlTaken => f.write_str("control taken back"),
@@ -50,7 +50,7 @@ impl fmt::Display for FaultKind {
             Self::MissionAbort => f.write_str("mission aborted"),
             Self::SensorDropout(sensor) => write!(f, "{sensor} dropped out"),
             Self::Shutdown => f.write_str("shutdown"),
-            Self::ClockStep(nanos) => write!(f, "vehicle clock set by {} s", *nanos as f64 / 1e9),
+            Self::ClockStep(nanos) => write!(f, "vehicle clock moved by {} s", *nanos as f64 / 1e9),
         }
     }
 }
@@ -73,35 +73,37 @@ impl fmt::Display for Untrue {
 impl fmt::Display for LinkFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind {
-            LinkFaultKind::Cut => return write!(f, "link of {} cut", self.whom),
-            LinkFaultKind::Refuse => return write!(f, "connections of {} refused", self.whom),
+            LinkFaultKind::Cut => return write!(f, "link cut for {}", self.whom),
+            LinkFaultKind::Refuse => return write!(f, "connections refused for {}", self.whom),
             LinkFaultKind::Deaf => return write!(f, "vehicle deaf to {}", self.whom),
             LinkFaultKind::Stall => f.write_str("stall"),
             LinkFaultKind::HalfOpen => f.write_str("silent loss"),
             LinkFaultKind::Delay { delay, jitter, growth } => {
                 let (delay_s, jitter_s) = (delay.as_secs_f64(), jitter.as_secs_f64());
-                write!(f, "delay of {delay_s} s and up to {jitter_s} s")?;
+                write!(f, "delay of {delay_s} s plus up to {jitter_s} s")?;
                 if growth > 0.0 {
                     write!(f, ", growing by {growth} s a second,")?;
                 }
                 Ok(())
             }
-            LinkFaultKind::Split { bytes, gap } => write!(f, "pieces of {bytes} bytes each {} s", gap.as_secs_f64()),
-            LinkFaultKind::Join { hold } => write!(f, "writes joined for {} s", hold.as_secs_f64()),
-            LinkFaultKind::Duplicate { chance } => write!(f, "sentences twice, chance {chance},"),
-            LinkFaultKind::Corrupt { chance } => write!(f, "bytes corrupt, chance {chance},"),
+            LinkFaultKind::Split { bytes, gap } => {
+                write!(f, "pieces of up to {bytes} bytes, {} s apart,", gap.as_secs_f64())
+            }
+            LinkFaultKind::Join { hold } => write!(f, "writes collected for {} s", hold.as_secs_f64()),
+            LinkFaultKind::Duplicate { chance } => write!(f, "sentences duplicated, chance {chance},"),
+            LinkFaultKind::Corrupt { chance } => write!(f, "bytes corrupted, chance {chance},"),
             LinkFaultKind::Drop { chance } => write!(f, "sentences lost, chance {chance},"),
         }?;
-        write!(f, " on the link {} {}", self.direction, self.whom)
+        write!(f, " on the link {} for {}", self.direction, self.whom)
     }
 }
 
 impl fmt::Display for Directions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Both => "both ways of",
-            Self::ToVehicle => "to the vehicle of",
-            Self::FromVehicle => "from the vehicle of",
+            Self::Both => "in both directions",
+            Self::ToVehicle => "to the vehicle",
+            Self::FromVehicle => "from the vehicle",
         })
     }
 }
@@ -109,7 +111,7 @@ impl fmt::Display for Directions {
 impl fmt::Display for Whom {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::All => f.write_str("all"),
+            Self::All => f.write_str("all clients"),
             Self::Client(client) => client.fmt(f),
             Self::Role(role) => write!(f, "role {role}"),
         }

@@ -7,16 +7,16 @@ use super::{Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, Sensor, SensorFa
 use crate::error::MvcError;
 use crate::file::FaultFile;
 
-/// What goes wrong, and when.
+/// The faults of a run, and when they begin and end.
 #[derive(Debug, Default)]
 pub(crate) struct Timeline {
     plan: Vec<Fault>,
-    /// Begins and ends in the order in which they happen, and how many have.
+    /// The begins and ends, in the order in which they happen.
     edges: Vec<Edge>,
     happened: usize,
-    /// What has begun and not ended, by its place in the plan.
+    /// The faults that act now, by their place in the plan.
     acting: BTreeSet<usize>,
-    /// How many of a kind act at once.
+    /// How many faults of this kind act now; the same for the next three.
     control_taken: u32,
     frozen: u32,
     missing: u32,
@@ -31,7 +31,8 @@ struct Edge {
 }
 
 impl Edge {
-    /// At one instant what lasts ends before anything begins; an instant's own end comes after its begin.
+    /// If several edges are at the same time, faults with a duration end before others begin. An instantaneous fault
+    /// ends after it begins.
     fn order(&self, plan: &[Fault]) -> (Timestamp, bool, usize) {
         let lasts = !plan[self.index].lasts.is_zero();
         (self.at, !(lasts && self.edge == FaultEdge::End), self.index)
@@ -41,22 +42,22 @@ impl Edge {
 /// What the begin or the end of a fault does, and to which part of the vehicle.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Effect {
-    /// Nothing: the link's driver plays it, or its end changes nothing.
+    /// Nothing: the link's driver plays the fault, or its end changes nothing.
     None,
-    /// Acknowledgements: a fault with this place in the plan begins or ends.
+    /// A fault of acknowledgements, with this place in the plan, begins or ends.
     Acknowledgements(usize, FaultKind, FaultEdge),
-    /// Control is withheld, or not.
+    /// Control is withheld (true) or given back (false).
     Control(bool),
     Sensors(SensorFailure),
-    /// Navigation says what is not so, as the fault with this place in the plan has it, or no longer.
+    /// The fault with this place in the plan falsifies navigation messages in this way, or no longer.
     Untrue(usize, Option<Untrue>),
-    /// The vehicle flies another dive; its plan is reversed, or the same.
+    /// The vehicle flies another dive, with the plan reversed (true) or the same plan (false).
     AnotherDive(Text, bool),
-    /// The clock is set forward or back, nanoseconds.
+    /// The vehicle's clock is set forward by this much, nanoseconds; back if negative.
     Clock(i64),
     /// The mission is aborted.
     Abort,
-    /// The payload's power is to go off, or is going off.
+    /// The payload's power will go off in a minute (begin), or goes off (end).
     Shutdown(FaultEdge),
 }
 
@@ -65,12 +66,12 @@ impl Timeline {
         Ok(Self::of(file.plan()?, Timestamp::ZERO))
     }
 
-    /// What is left of a plan from `now` on.
+    /// A plan without the faults that were over before `now`. What should have begun before `now` begins now.
     pub(crate) fn of(plan: FaultPlan, now: Timestamp) -> Self {
         let plan = plan.faults;
         let mut edges = Vec::with_capacity(2 * plan.len());
         for (index, fault) in plan.iter().enumerate() {
-            // What is over before the run has the plan is no part of it.
+            // Skip a fault that was over before the run got this plan.
             if fault.at < now && fault.until() <= now {
                 continue;
             }
@@ -87,24 +88,25 @@ impl Timeline {
         }
     }
 
-    /// When [`Timeline::next_due`] has more; [`Timestamp::MAX`] is never.
+    /// When [`Timeline::next_due`] returns the next edge; [`Timestamp::MAX`] means never.
     pub(crate) fn next(&self) -> Timestamp {
         self.edges.get(self.happened).map_or(Timestamp::MAX, |edge| edge.at)
     }
 
-    /// The next that begins or ends by now, by its place in the plan.
+    /// The next fault that begins or ends by `now`, by its place in the plan.
     pub(crate) fn next_due(&mut self, now: Timestamp) -> Option<(usize, FaultEdge)> {
         let edge = self.edges.get(self.happened).filter(|edge| edge.at <= now)?;
         self.happened += 1;
         Some((edge.index, edge.edge))
     }
 
-    /// What acts, by its place in the plan.
+    /// The faults that act now, by their place in the plan.
     pub(crate) fn acting(&self) -> impl Iterator<Item = usize> + use<> {
         self.acting.clone().into_iter()
     }
 
-    /// One more fault that begins now; its place in the plan. Where it lasts, its end is planned.
+    /// Adds a fault that begins now, and returns its place in the plan. If the fault has a duration, its end is added
+    /// to the edges.
     pub(crate) fn inject(&mut self, now: Timestamp, fault: Fault) -> usize {
         let index = self.plan.len();
         let fault = Fault { at: now, ..fault };
@@ -123,7 +125,7 @@ impl Timeline {
         index
     }
 
-    /// A fault begins or ends: what the log says of it, and what it does.
+    /// Begins or ends a fault: returns the line for the log, and what the fault does.
     pub(crate) fn act(&mut self, index: usize, edge: FaultEdge) -> (FaultEvent, Effect) {
         let begins = edge == FaultEdge::Begin;
         if begins {
@@ -169,7 +171,7 @@ impl Timeline {
         (event, effect)
     }
 
-    /// Counts one more or one less that acts. Whether any does.
+    /// Counts one more or one fewer, and returns whether any fault of the kind acts.
     fn count(of: &mut u32, edge: FaultEdge) -> bool {
         match edge {
             FaultEdge::Begin => *of += 1,

@@ -7,49 +7,49 @@ const PACKET_BYTES_MAX: usize = 8 * 256;
 
 /// The `[acoustic]` section: the payload's use of the acoustic modem (SPI 9).
 ///
-/// Windows are what "must first be worked out with Bluefin": without a period there are none, and every BPCPD is
-/// outside of one.
+/// The use of windows "must first be worked out with Bluefin": without a period there are none, and every BPCPD fails
+/// because it is outside a window.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct AcousticConfig {
-    /// Whether the payload may use the modem at all ("supported only on certain vehicles").
+    /// Whether the payload may use the modem ("supported only on certain vehicles"). Otherwise every BPCPD fails.
     pub equipped: bool,
-    /// Which modem.
+    /// The modem.
     pub device: AcousticDevice,
-    /// The modem's address.
+    /// The address of the vehicle's modem.
     pub address: u32,
-    /// When the first window begins, seconds after the start, 0 to 1e6.
+    /// When the first window opens, seconds after the start, 0 to 1e6.
     pub first_s: f64,
-    /// From the begin of a window to that of the next, seconds, 1 to 86400; none has no windows.
+    /// From the opening of one window to that of the next, seconds, 1 to 86400; `None` for no windows.
     pub period_s: Option<f64>,
-    /// How long a window is, seconds, above 0 and less than the period.
+    /// How long a window is open, seconds, 0.1 or more and at least 0.1 less than the period.
     pub length_s: f64,
-    /// How many of the payload's packets may wait, 1 to 256.
+    /// How many packets of the payload may wait, 1 to 256. More fail.
     pub queue_max: u32,
-    /// From taking up a packet to the first sound, seconds, 0 to 60.
+    /// From the moment that the modem takes a packet to its first sound, seconds, 0 to 60.
     pub latency_s: f64,
-    /// How long a frame sounds, seconds, 0.01 to 60.
+    /// How long one frame sounds, seconds, 0.01 to 60.
     pub frame_s: f64,
-    /// Speed of sound, metres a second, 1000 to 2000.
+    /// The speed of sound with which travel times are computed, metres a second, 1000 to 2000.
     pub sound_speed_mps: f64,
-    /// How long the other side takes to begin its acknowledgement, seconds, 0 to 60.
+    /// How long the other modem takes to begin its acknowledgement, seconds, 0 to 60.
     pub turnaround_s: f64,
     /// How long an acknowledgement sounds, seconds, 0 to 60.
     pub ack_s: f64,
-    /// An acknowledgement that has not come so long after the packet has failed, seconds, 0.1 to 600.
+    /// How long after the packet the modem waits for an acknowledgement, seconds, 0.1 to 600.
     pub ack_timeout_s: f64,
     /// How likely a packet or an acknowledgement is not heard at all, 0 to 1.
     pub loss_chance: f64,
-    /// How likely a received frame is corrupted, 0 to 1.
+    /// How likely a received frame has a wrong byte, 0 to 1.
     pub corrupted_chance: f64,
     /// How likely a received frame cannot be decoded, 0 to 1.
     pub undecodable_chance: f64,
     /// How likely BFCPS is not sent (SPI 9.2: "a status message may not be generated for every request"), 0 to 1.
     pub status_lost_chance: f64,
-    /// From one packet of the vehicle's own to the next, seconds, 1 to 86400; none sends none. They keep out of the
-    /// payload's windows, and BFCPS reports them as well (SPI 9.2).
+    /// From one packet of the vehicle's own to the next, seconds, 1 to 86400; `None` for no packets. They stay out of
+    /// the payload's windows, and BFCPS reports them too (SPI 9.2).
     pub own_period_s: Option<f64>,
-    /// The identifier of the vehicle's first own packet; the next ones count up.
+    /// The identifier of the vehicle's first own packet. The next ones count up.
     pub own_request_first: u32,
     /// Other vehicles with a modem.
     pub peers: Vec<PeerConfig>,
@@ -60,10 +60,10 @@ pub struct AcousticConfig {
 pub enum AcousticDevice {
     /// Sonardyne, sixth generation.
     Sonardyne6G,
-    /// WHOI Micro-Modem, frequency-shift keying.
+    /// WHOI Micro-Modem with frequency-shift keying.
     #[serde(rename = "WHOI")]
     Whoi,
-    /// WHOI Micro-Modem, phase-shift keying.
+    /// WHOI Micro-Modem with phase-shift keying.
     #[default]
     #[serde(rename = "WHOIPSK")]
     WhoiPsk,
@@ -80,11 +80,11 @@ impl AcousticDevice {
         }
     }
 
-    /// How many frames a packet has at most in a telemetry mode, and how many bytes a frame; none where the device
-    /// has no such mode.
+    /// The greatest number of frames of a packet in a telemetry mode, and the greatest number of bytes of a frame;
+    /// `None` if the device does not have the mode.
     ///
-    /// The WHOI modes are the packet types of the Micro-Modem's documentation. Sonardyne's eight telemetry schemes
-    /// carry one message; its length is an assumption.
+    /// The WHOI modes are the packet types of the Micro-Modem's documentation. Each of Sonardyne's eight telemetry
+    /// schemes carries one message; its length here is an assumption.
     #[must_use]
     pub const fn frames(self, mode: i32) -> Option<(usize, usize)> {
         match (self, mode) {
@@ -103,7 +103,7 @@ impl AcousticDevice {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PeerConfig {
-    /// Its modem's address.
+    /// The address of its modem.
     pub address: u32,
     /// Where it is at the start, metres east in the world's frame.
     pub east_m: f64,
@@ -121,7 +121,7 @@ pub struct PeerConfig {
     /// Whether it acknowledges packets that ask for it.
     #[serde(default = "yes")]
     pub acknowledges: bool,
-    /// What it sends.
+    /// The packets that it sends.
     #[serde(default)]
     pub packets: Vec<PeerPacket>,
 }
@@ -132,16 +132,16 @@ pub struct PeerConfig {
 pub struct PeerPacket {
     /// When it first begins to sound, seconds after the start.
     pub first_s: f64,
-    /// How often it comes again, seconds, 1 to 86400; none is once.
+    /// From one time to the next, seconds, 1 to 86400; `None` to send it once.
     #[serde(default)]
     pub period_s: Option<f64>,
-    /// Which modem it is for; none is for this vehicle's.
+    /// The address of the modem that it is for; `None` for this vehicle's.
     #[serde(default)]
     pub destination: Option<u32>,
-    /// The telemetry mode; -1 is unknown (SPI 9.3).
+    /// Its telemetry mode; -1 is unknown (SPI 9.3).
     #[serde(default)]
     pub mode: i32,
-    /// Its frames as hexadecimal digits, 1 to 8.
+    /// Its frames, 1 to 8: each is a text of pairs of hexadecimal digits.
     pub frames: Vec<String>,
 }
 
@@ -287,7 +287,7 @@ impl PeerConfig {
 }
 
 impl PeerPacket {
-    /// The bytes of its frames; none where they are not what a packet holds.
+    /// The bytes of its frames; `None` if a packet cannot hold them or the digits are wrong.
     pub(crate) fn bytes(&self) -> Option<Vec<Box<[u8]>>> {
         let frames: Option<Vec<Box<[u8]>>> = self.frames.iter().map(|digits| hexadecimal(digits)).collect();
         frames.filter(|frames| {

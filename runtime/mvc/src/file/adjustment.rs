@@ -5,50 +5,51 @@ use crate::error::{MvcError, check};
 
 /// The `[adjustment]` section: the trim and variable buoyancy systems (SPI 6.22, 6.23, 7.23, 7.24).
 ///
-/// "The implementation is vehicle-specific", says the specification: rates and ranges are made up, of a plausible
-/// size.
+/// The specification says only that "the implementation is vehicle-specific". The rates and ranges are invented, of a
+/// plausible size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct AdjustmentConfig {
-    /// Whether a trim system is fitted.
+    /// Whether the vehicle has a trim system.
     pub trim_equipped: bool,
-    /// How far the vehicle is out of trim in pitch at first, degrees, within 45.
+    /// How far the vehicle is out of trim in pitch at the start, degrees, within 45.
     pub trim_pitch_deg: Span,
-    /// How far the vehicle is out of trim in roll at first, degrees, within 45.
+    /// How far the vehicle is out of trim in roll at the start, degrees, within 45.
     pub trim_roll_deg: Span,
     /// How fast the trim system works, degrees a second, 0.001 to 10.
     pub trim_rate_dps: f64,
-    /// Trim within this is good enough, degrees, 0.001 to 10.
+    /// How far out of trim is good enough, degrees, 0.001 to 10.
     pub trim_tolerance_deg: f64,
-    /// How far the trim system reaches from where it is at first, degrees, 0 to 45.
+    /// How far the trim system reaches from where it is at the start, degrees, 0 to 45.
     pub trim_range_deg: f64,
-    /// Whether a variable buoyancy system is fitted.
+    /// Whether the vehicle has a variable buoyancy system.
     pub buoyancy_equipped: bool,
-    /// Buoyancy at first, newtons, positive up, within 1000.
+    /// Buoyancy at the start, newtons, positive up, within 1000.
     pub buoyancy_n: Span,
-    /// The buoyancy at which the vehicle floats up as fast as its class says, newtons, 0.1 to 1000.
+    /// The buoyancy at which the vehicle floats up as fast as is typical of its class, newtons, 0.1 to 1000.
     pub buoyancy_nominal_n: f64,
     /// How fast the buoyancy system works, newtons a second, 0.001 to 100.
     pub buoyancy_rate_n_per_s: f64,
-    /// Buoyancy within this of neutral is good enough, newtons, 0.01 to 100.
+    /// How far from neutral is good enough, newtons, 0.01 to 100.
     pub buoyancy_tolerance_n: f64,
-    /// How far the buoyancy system reaches from where it is at first, newtons, 0 to 1000.
+    /// How far the buoyancy system reaches from where it is at the start, newtons, 0 to 1000.
     pub buoyancy_range_n: f64,
-    /// How far a newton of adjusted buoyancy puts the pitch out of trim, degrees, within 10 (SPI 7.24: "may cause the
-    /// vehicle to no longer be trimmed").
+    /// How far each newton of adjusted buoyancy puts the pitch out of trim, degrees, within 10 (SPI 7.24: "may cause
+    /// the vehicle to no longer be trimmed").
     pub buoyancy_pitch_deg_per_n: f64,
-    /// An adjustment that was asked for begins to work once the speed through the water is below this, metres a
-    /// second, 0.01 to 1 (SPI 7.23, 7.24: "after it is detected that the vehicle has stopped moving forward").
+    /// The speed through the water below which an adjustment that a payload asked for begins to work, metres a second,
+    /// 0.01 to 1 (SPI 7.23, 7.24: "after it is detected that the vehicle has stopped moving forward").
     pub stopped_mps: f64,
-    /// An adjustment fails that takes longer, seconds, 1 to 86400 (SPI 7.23, 7.24: "typically 20 minutes").
+    /// The longest time that an adjustment may take before it fails, seconds, 1 to 86400 (SPI 7.23, 7.24: "typically 20
+    /// minutes").
     pub time_limit_s: f64,
-    /// Time between two status messages of an adjustment that runs, seconds, 0.1 to 3600.
+    /// The time from one status message to the next while an adjustment is running, seconds, 0.1 to 3600.
     pub status_period_s: f64,
-    /// Time between two BFBOY while no adjustment runs, seconds, 0.1 to 3600 (SPI 6.23).
+    /// The time from one BFBOY to the next while no adjustment is running, seconds, 0.1 to 3600 (SPI 6.23).
     pub idle_period_s: f64,
     /// How likely an adjustment fails, 0 to 1.
     pub failure_chance: f64,
-    /// When the vehicle adjusts its buoyancy unasked, seconds after the start, in order (SPI 7.24: "implicit").
+    /// When the vehicle adjusts its buoyancy by itself, seconds after the start, in order (SPI 7.24: "implicit").
     pub implicit_at_s: Vec<f64>,
 }
 

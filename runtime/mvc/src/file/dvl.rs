@@ -4,25 +4,24 @@ use crate::error::{MvcError, check};
 
 /// The `[dvl]` section: external triggering of the DVL by the payload (SPI 5.6, 7.4).
 ///
-/// A mock has no trigger line. It takes the line to pulse whenever the payload may trigger, has not said that it does
-/// not (BPDVR with 0 last), and neither `payload_triggers` nor `line_faults` say otherwise.
+/// The mock has no trigger line. It assumes that the line pulses whenever the payload may trigger, unless the payload
+/// has said that it does not (0 in the last BPDVR), `payload_triggers` is false, or one of `line_faults` acts.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DvlTriggerConfig {
-    /// Whether the payload interface has the optional triggering lines.
+    /// Whether the payload has the optional trigger lines. Otherwise every BPDVR fails.
     pub triggering_equipped: bool,
-    /// How long it takes from a request until external triggering is safe, seconds, 0 to 3600.
+    /// How long after a request external triggering is safe and begins, seconds, 0 to 3600.
     pub safe_after_s: f64,
-    /// When the vehicle stops external triggering by itself, seconds after the start, in order.
+    /// When the vehicle itself stops external triggering, seconds after the start, in order.
     pub stop_at_s: Vec<f64>,
-    /// How long it is not safe after such a stop, seconds, 0 to 86400.
+    /// How long external triggering is not safe after such a stop, seconds, 0 to 86400.
     pub stop_for_s: f64,
-    /// The DVL goes back to internal triggering where the payload has not triggered it for so long, seconds, 0.1 to
-    /// 3600.
+    /// After how long without a trigger of the payload the DVL goes back to internal triggering, seconds, 0.1 to 3600.
     pub timeout_s: f64,
     /// Whether the line pulses while the payload may trigger.
     pub payload_triggers: bool,
-    /// When the line is dead although the payload triggers.
+    /// The times in which the line is dead although the payload triggers.
     pub line_faults: Vec<LineFault>,
 }
 

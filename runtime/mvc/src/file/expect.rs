@@ -1,42 +1,42 @@
 use serde::Deserialize;
 
-/// The `[expect]` section: what a run must fulfil to count as passed. The mock carries it and does not judge.
+/// The `[expect]` section: what a run must achieve. The mock only carries it and does not judge the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Expectations {
-    /// At most so many violations; none where it is left away.
+    /// How many violations the run may have; `None` allows none.
     pub max_violations: Option<u32>,
-    /// At least so many requests accepted.
+    /// How many requests the vehicle must have accepted at least.
     pub min_accepted: Option<u32>,
-    /// Whether the mission must have completed.
+    /// Whether the mission must have been completed (true) or must not (false); `None` allows both.
     pub mission_completed: Option<bool>,
     /// A depth contour that a plugin must follow.
     pub contour: Option<ContourExpectation>,
-    /// A field whose maximum a plugin must circle.
+    /// A maximum that a plugin must find.
     pub maximum: Option<MaximumExpectation>,
 }
 
-/// The `[expect.contour]` section: horizontal distance of the vehicle's true way, while a plugin modifies it, from the
-/// true contour.
+/// The `[expect.contour]` section: how near the vehicle's true track is to the true contour, horizontally, while a
+/// plugin modifies what the vehicle flies.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContourExpectation {
-    /// The contour's water depth, metres.
+    /// The depth of the water along the contour, metres.
     pub water_depth_m: f64,
-    /// It counts as acquired when the distance is first below this, metres.
+    /// Once the distance is less than this, the contour counts as acquired, metres.
     pub acquired_m: f64,
-    /// How long after the first modify that may be, seconds.
+    /// How long that may take, counted from the first modify, seconds.
     pub acquired_within_s: f64,
-    /// Root mean square of the distance from then on, metres.
+    /// The greatest root mean square of the distance from then on, metres.
     pub rms_m: f64,
-    /// For how long it must be followed in all, seconds.
+    /// How long the vehicle must follow the contour in all, seconds.
     pub followed_for_s: f64,
 }
 
-/// The `[expect.maximum]` section: distance of the last trackcircle's centre from the field's true maximum.
+/// The `[expect.maximum]` section: how near the centre of the last trackcircle is to the field's true maximum.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaximumExpectation {
-    /// At most this, metres.
+    /// The greatest distance, metres.
     pub within_m: f64,
 }

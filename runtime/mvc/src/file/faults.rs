@@ -9,99 +9,100 @@ use crate::error::MvcError;
 use crate::faults::Sensor;
 use crate::faults::{AckStage, Directions, FaultPlan};
 
-/// No plan has more faults.
+/// The most faults that a plan may have.
 const FAULTS_MAX: usize = 100_000;
 
-/// The `[faults]` section of `world.toml`, and the whole of a file of faults: as it is written.
+/// The `[faults]` section of `world.toml`, or a whole file of faults, as it is written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FaultFile {
-    /// In any order.
+    /// The faults, in any order.
     pub fault: Vec<FaultEntry>,
 }
 
-/// One fault as it is written. Which keys it needs and has depends on its kind.
+/// One fault as it is written. Its kind decides which keys it needs and may have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FaultEntry {
     /// When it begins, seconds after the start.
     pub at_s: f64,
-    /// What it is.
+    /// What goes wrong.
     pub kind: FaultName,
-    /// How long it lasts, seconds. A cut, a jump and a clock step may be instants without it; an abort and
-    /// another dive are one, and a shutdown takes its minute.
+    /// How long it lasts, seconds. Without it, a `link_cut`, a `navigation_jump` and a `clock_step` are instantaneous;
+    /// every other kind needs it. `mission_abort` and `another_dive` are always instantaneous and `shutdown` always
+    /// takes a minute, so these three do not have this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub for_s: Option<f64>,
-    /// Of a link: the connection's number; without it and `role` all.
+    /// Faults of a link: the number of the connection; without this key and `role` all connections.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub client: Option<u32>,
-    /// Of a link: the client's role.
+    /// Faults of a link: the role of the client.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub role: Option<String>,
-    /// Of a link: which way; both without it.
+    /// Faults of a link: the direction; both without this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub direction: Option<DirectionName>,
-    /// Of `delay` and `acks_late`: how much later, seconds.
+    /// `delay` and `acks_late`: how much later, seconds, 0 to 60.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_s: Option<f64>,
-    /// Of `delay`: up to so much more, seconds; none without it.
+    /// `delay`: how much may be added to `delay_s`, seconds, 0 to 60; 0 without this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jitter_s: Option<f64>,
-    /// Of `delay`: seconds more for each second since its begin; none without it.
+    /// `delay`: how much the delay grows with each second since its begin, seconds, 0 to 1; 0 without this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub growth: Option<f64>,
-    /// Of `split`: the largest piece, bytes.
+    /// `split`: the size of the largest piece, bytes, 1 to 4096.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes: Option<u32>,
-    /// Of `split`: time between pieces, seconds; none without it.
+    /// `split`: the time from one piece to the next, seconds, 0 to 1; 0 without this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gap_s: Option<f64>,
-    /// Of `join`: how long writes are gathered, seconds.
+    /// `join`: how long writes are collected, seconds, 0.001 to 10.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hold_s: Option<f64>,
-    /// Of `duplicate`, `drop` (a sentence) and `corrupt` (a byte): 0 to 1.
+    /// `duplicate`, `drop` and `corrupt`: the chance for each sentence, or for each byte with `corrupt`, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chance: Option<f64>,
-    /// Of acknowledgements: the command's name, `RMB` or `BPRMB`; every command without it.
+    /// Faults of acknowledgements: the command, written `RMB` or `BPRMB`; every command without this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
-    /// Of `acks_lost` and `acks_late`: which; all without it.
+    /// `acks_lost` and `acks_late`: which acknowledgements of a command; all without this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stage: Option<StageName>,
-    /// Of `acks_negative`: 0 or 1; 1 without it.
+    /// `acks_negative`: what the vehicle answers, 0 or 1; 1 without this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub status: Option<u32>,
-    /// Of `acks_negative`: the vehicle does what it says that it refuses; false without it.
+    /// `acks_negative`: whether the vehicle does what it says that it refuses; false without this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub done: Option<bool>,
-    /// Of `navigation_jump`: metres.
+    /// `navigation_jump`: how far to the east, metres, within 10000.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub east_m: Option<f64>,
-    /// Of `navigation_jump`: metres.
+    /// `navigation_jump`: how far to the north, metres, within 10000.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub north_m: Option<f64>,
-    /// Of `sensor_dropout`: which.
+    /// `sensor_dropout`: the sensor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor: Option<SensorName>,
-    /// Of `clock_step`: seconds, positive where the vehicle's clock is set forward.
+    /// `clock_step`: how far the vehicle's clock is set forward, seconds, within 86400; back if negative.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_s: Option<f64>,
-    /// Of `position_creep`: metres a second.
+    /// `position_creep`: how fast the position moves away, metres a second, 0 to 100.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_mps: Option<f64>,
-    /// Of `position_creep`: degrees from the frame's north.
+    /// `position_creep`: in which direction, degrees from the frame's north, within 360.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub towards_deg: Option<f64>,
-    /// Of `heading_flip`: degrees clockwise.
+    /// `heading_flip`: how far the heading is turned, degrees clockwise, within 180.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_deg: Option<f64>,
-    /// Of `depth_flip`: metres downwards.
+    /// `depth_flip`: how much is added to the depth, metres, within 1000.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_m: Option<f64>,
-    /// Of `another_dive`: what it is called.
+    /// `another_dive`: the name of the other dive file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dive_file: Option<String>,
-    /// Of `another_dive`: its plan is the present one reversed; false without it.
+    /// `another_dive`: whether its plan is the current one reversed; false without this key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reversed: Option<bool>,
 }
@@ -170,15 +171,15 @@ pub enum FaultName {
     ClockStep,
 }
 
-/// The name of [`Directions`].
+/// The name of a variant of [`Directions`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DirectionName {
-    /// Both.
+    /// Both directions.
     Both,
-    /// What payloads send.
+    /// From payloads to the vehicle.
     ToVehicle,
-    /// What payloads are sent.
+    /// From the vehicle to payloads.
     FromVehicle,
 }
 
@@ -186,18 +187,18 @@ pub enum DirectionName {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StageName {
-    /// All.
+    /// All acknowledgements.
     All,
-    /// "Pending".
+    /// Those that say that the outcome is pending.
     Pending,
-    /// The outcome.
+    /// Those that tell the outcome.
     Outcome,
 }
 
 /// The name of a [`Sensor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[expect(missing_docs, reason = "as Sensor says")]
+#[expect(missing_docs, reason = "Sensor documents them")]
 pub enum SensorName {
     Dvl,
     Altimeter,
@@ -211,7 +212,7 @@ pub enum SensorName {
     Telemetry,
 }
 
-/// Names on one side, kinds on the other.
+/// Converts the names of a file into the types of a plan, and back.
 macro_rules! names {
     ($name:ident = $kind:ident: $($variant:ident),+) => {
         impl From<$name> for $kind {
@@ -236,7 +237,7 @@ impl FaultFile {
         toml::from_str(text).map_err(|error| super::toml_error(text, &error))
     }
 
-    /// The plan, every value checked.
+    /// Checks every value and returns the plan.
     ///
     /// # Errors
     /// [`MvcError::Fault`] with the fault's number, the key, and what was expected.
@@ -255,7 +256,7 @@ impl FaultFile {
         })
     }
 
-    /// A plan as it is written.
+    /// Returns the file for a plan.
     #[must_use]
     pub fn of(plan: &FaultPlan) -> Self {
         Self {
@@ -266,7 +267,7 @@ impl FaultFile {
 
 impl fmt::Display for FaultName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // As it is written in a file.
+        // The name in a file.
         self.serialize(f)
     }
 }

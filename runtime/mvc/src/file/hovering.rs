@@ -9,49 +9,52 @@ use crate::vehicle::ship::Ship;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct HoveringConfig {
-    /// The ship; without one there is no BFRNV and nowhere for BPGHP to go to.
+    /// The ship. Without one, the vehicle sends no BFRNV, and every BPGHP fails.
     pub hull: Option<ShipConfig>,
-    /// The closest that the vehicle goes to the ship, whatever is asked, metres, 0.1 to 10.
+    /// The least distance from the ship that the vehicle keeps, whatever is asked, metres, 0.1 to 10.
     pub safety_m: f64,
-    /// The limit that BPSPD changes, as it is at the start, metres a second, 0.05 to 5. The SPI gives 1.5 (8.4).
+    /// The vehicle's speed limit at the start, until BPSPD changes it, metres a second, 0.05 to 5. SPI gives 1.5 (8.4).
     pub speed_limit_mps: f64,
-    /// BFRNV and BFCNV a second, 0.1 to 100, at most one a step of the vehicle. The SPI gives none.
+    /// How many BFRNV and BFCNV the vehicle sends in a second, 0.1 to 100, at most one of each in a step. SPI gives no
+    /// figure.
     pub relative_hz: f64,
-    /// BFPIT a second, 0.1 to 100, at most one a step of the vehicle. The SPI gives none.
+    /// How many BFPIT the vehicle sends in a second, 0.1 to 100, at most one in a step. SPI gives no figure.
     pub servo_hz: f64,
-    /// Drift of the relative position: a random walk whose standard deviation each way after an hour is this, metres.
+    /// How far the relative position drifts: the standard deviation of a random walk after an hour, in each direction,
+    /// metres.
     pub drift_m_per_sqrt_h: f64,
-    /// Drift of the inertial bearing: a random walk whose standard deviation after an hour is this, degrees.
+    /// How far the inertial bearing drifts: the standard deviation of a random walk after an hour, degrees.
     pub bearing_drift_deg_per_sqrt_h: f64,
-    /// Noise of one relative position, metres each way.
+    /// The noise of one relative position, in each direction, metres.
     pub position_noise_m: f64,
-    /// Noise of one range to the ship, metres.
+    /// The noise of one measured distance from the ship, metres.
     pub range_noise_m: f64,
-    /// The farthest that the range to the ship is measured, metres, 1 to 100; beyond, it is reckoned.
+    /// The greatest distance from the ship that is measured, metres, 1 to 100. Beyond it, the vehicle computes the
+    /// distance from its own motion.
     pub range_max_m: f64,
-    /// The least angle of the sonar, degrees, -180 to 180.
+    /// The least angle to which the sonar turns, degrees, -180 to the greatest angle.
     pub sonar_min_deg: f64,
-    /// The greatest angle of the sonar, degrees, -180 to 180.
+    /// The greatest angle to which the sonar turns, degrees, -180 to 180.
     pub sonar_max_deg: f64,
-    /// How fast sonar and DVL turn, degrees a second, 0.1 to 360.
+    /// How fast the sonar and the DVL turn, degrees a second, 0.1 to 360.
     pub servo_rate_dps: f64,
-    /// Whether a pan-tilt-zoom camera is installed (SPI 8.10).
+    /// Whether the vehicle has a camera that pans, tilts and zooms (SPI 8.10).
     pub camera: bool,
-    /// Whether a strobe light is installed (SPI 8.11).
+    /// Whether the vehicle has a strobe light (SPI 8.11).
     pub light: bool,
 }
 
-/// The `[hovering.hull]` section: a ship at rest, as a box that reaches from its draft up through the surface.
+/// The `[hovering.hull]` section: a ship at rest, a box that reaches from its draft up through the surface.
 ///
-/// Hull positions count from midships of the inspected side, at the waterline.
+/// Positions on the hull count from the middle of the inspected side, at the waterline.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShipConfig {
-    /// Metres east of the origin, of the ship's middle.
+    /// Where the middle of the ship is, metres east of the origin.
     pub east_m: f64,
-    /// Metres north of the origin, of the ship's middle.
+    /// Where the middle of the ship is, metres north of the origin.
     pub north_m: f64,
-    /// Heading of the bow, degrees from true north.
+    /// Where the bow points to, degrees from true north.
     pub heading_deg: f64,
     /// Length, metres, 1 to 500.
     pub length_m: f64,
@@ -155,7 +158,7 @@ impl HoveringConfig {
             return Err(MvcError::Value {
                 key: "vehicle.class",
                 value: format!("\"{}\"", vehicle.class.name()),
-                expected: "\"hovering\" where there is a [hovering.hull]",
+                expected: "\"hovering\" with a [hovering.hull]",
             });
         }
         for (key, value, least, most, expected) in [
@@ -190,7 +193,7 @@ impl HoveringConfig {
         let (clearance_m, _) = Ship::new(hull, frame).clearance(at, start.depth_m);
         check(
             clearance_m >= self.safety_m,
-            "start, as metres from hovering.hull,",
+            "start: the distance from hovering.hull in metres",
             clearance_m,
             "hovering.safety_m or more",
         )

@@ -6,131 +6,133 @@ use serde::{Deserialize, Deserializer};
 
 use crate::error::{MvcError, check};
 
-/// The `[interpretation]` section: what the specification leaves open. Each is one reading, or `"seed"` for whichever
-/// the seed draws, so that nothing comes to depend on one.
+/// The `[interpretation]` section: how the vehicle reads what the specification leaves open. Each key is one reading,
+/// or `"seed"`: then each seed draws a reading, so that no plugin comes to depend on one.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InterpretationConfig {
-    /// What becomes of inserts when BFCTL falls to 0 (SPI 6.24 and 7.5 do not say).
+    /// What happens to inserts when the payload loses control (BFCTL 0; SPI 6.24 and 7.5 do not say).
     pub inserts_after_control: InsertsAfterControl,
-    /// What follows an insert that has interrupted a behavior (SPI 7.5 says both).
+    /// What the vehicle flies after an insert that interrupted a behavior (SPI 7.5 says both).
     pub after_interrupt: AfterInterrupt,
-    /// Length of the lead-in before and of the lead-out after an inserted trackline, metres, 0 to 500 (SPI 7.5:
+    /// The length of the lead-in before an inserted trackline, and of the lead-out after it, metres, 0 to 500 (SPI 7.5:
     /// "any default leadin/leadout behavior"). The seed draws up to 50 m.
     pub lead_in_m: Choice<f64>,
-    /// Whether BFCTL and BFMIS are repeated to a client that subscribes to them late.
+    /// Whether the vehicle sends BFCTL and BFMIS at once to a client that switches them on late.
     pub control_replay: Choice<bool>,
     /// Whose inserts BPRCA cancels (SPI 7.9 does not say).
     pub cancel_all_scope: CancelAllScope,
-    /// What BPRMB's heading counts from (SPI 7.12 does not say).
+    /// Which north the heading of BPRMB counts from (SPI 7.12 does not say).
     pub modify_heading: HeadingFrame,
-    /// Where an insert has its place while the current behavior is neither leg nor circle.
+    /// When an insert is flown if the current behavior is neither a trackline nor a trackcircle.
     pub insert_place: InsertPlace,
-    /// Whether BFBDL and BFSDL frame inserted tracklines too (SPI 7.5: "with the payloads activated").
+    /// Whether the vehicle sends BFBDL and BFSDL for inserted tracklines too (SPI 7.5: "with the payloads activated").
     pub insert_logging: Choice<bool>,
-    /// Whose inserts BPRCN cancels (SPI 7.8 does not say).
+    /// Whose inserts BPRCN may cancel (SPI 7.8 does not say).
     pub cancel_scope: CancelAllScope,
-    /// Whether BPRCA takes GPS hits too (SPI 7.9: "all"; 7.8 names tracklines and trackcircles alone).
+    /// Whether BPRCA cancels GPS hits too (SPI 7.9: "all"; 7.8 names only tracklines and trackcircles).
     pub cancel_all_gps: Choice<bool>,
-    /// Whether a modify goes on with the next behavior where the one that it modifies ends (SPI 7.12 does not say).
+    /// Whether a modify goes on under the next behavior when the one that it modifies ends (SPI 7.12 does not say).
     pub modify_survives: Choice<bool>,
-    /// What becomes of a modify beyond the safe operating parameters (SPI 7.12: it "can not be used" for that).
+    /// What happens to a modify beyond the safe operating parameters (SPI 7.12: it "can not be used" for that).
     pub modify_beyond: ModifyBeyond,
     /// What the rudder and elevator of BPRMB are (SPI 7.12 calls them adjustments).
     pub modify_fins: ModifyFins,
-    /// Whether BPSUS needs dynamic requests to be allowed (SPI 8.1 does not say), and ends with them.
+    /// Whether BPSUS needs dynamic requests to be allowed (SPI 8.1 does not say). A suspension then ends with them.
     pub suspend_needs_control: Choice<bool>,
     /// From where the mission goes on after a suspension (SPI 8.3 says both).
     pub after_suspension: AfterSuspension,
     /// Which way the vertical position of BFRNV and BPGHP counts from the waterline (SPI 6.17 and 8.6 do not say).
     pub hull_vertical: HullVertical,
-    /// What a request for silence does to a trim or buoyancy adjustment that a payload has asked for (SPI 7.22 to 7.24
-    /// speak of implicit ones alone).
+    /// What a request for silent mode does to a trim or buoyancy adjustment that a payload asked for (SPI 7.22 to 7.24
+    /// mention only implicit adjustments).
     pub adjustment_when_silenced: AdjustmentWhenSilenced,
-    /// Whether BPTRM and BPBOY fail where their client has not switched on BFTRM or BFBOY (SPI 7.23, 7.24: "must be
+    /// Whether BPTRM and BPBOY fail for a client that has not switched on BFTRM or BFBOY (SPI 7.23, 7.24: "must be
     /// registered").
     pub adjustment_needs_status: Choice<bool>,
-    /// Whether BFDVT says so when the DVL goes back to internal triggering because the payload has not triggered it
-    /// (SPI 7.4 says so and marks it as not implemented).
+    /// Whether the vehicle sends BFDVT when the DVL goes back to internal triggering because the payload did not
+    /// trigger it (SPI 7.4 says so and marks it as not implemented).
     pub dvl_timeout_announced: Choice<bool>,
     /// What BFCPS says of frames whose acknowledgement did not come (SPI 9.2 does not say).
     pub unacked_frames: UnackedFrames,
-    /// What may not be interrupted (SPI 7.5: "it is not possible to interrupt an interruption").
+    /// What an insert may not interrupt (SPI 7.5: "it is not possible to interrupt an interruption").
     pub interruption: Interruption,
-    /// Which commands are acknowledged (SPI 6.21: "each payload command"; of many the own section says nothing).
+    /// Which commands the vehicle acknowledges (SPI 6.21: "each payload command", but the own sections of many commands
+    /// do not mention it).
     pub acknowledged: Acknowledged,
-    /// How many decimals of a second a BFACK echoes of its command's time, 0 to 9 (SPI 6.21 prints two, recorded vehicles
-    /// write three). The seed draws 2 or 3.
+    /// How many decimals of its command's time a BFACK repeats, 0 to 9 (SPI 6.21 prints two, recorded vehicles write
+    /// three). The seed draws 2 or 3.
     pub echo_decimals: Choice<f64>,
-    /// Which layout of BPRTC is read (SPI 7.6: the header has no entry angle, the table has).
+    /// Which layout of BPRTC the vehicle reads (SPI 7.6: the header has no entry angle, the table has one).
     pub trackcircle_layout: TrackcircleLayout,
 }
 
-/// Which commands are acknowledged.
+/// Which commands the vehicle acknowledges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Acknowledged {
     /// All of them.
     #[default]
     All,
-    /// Those whose own section speaks of it: BPLOG, BPTOP, BPRTK, BPRTC, BPRCN, BPRMP, BPSIL, BPTRM, BPBOY; and whatever
-    /// cannot be read.
+    /// Those whose own section mentions it (BPLOG, BPTOP, BPRTK, BPRTC, BPRCN, BPRMP, BPSIL, BPTRM, BPBOY), and
+    /// whatever cannot be read.
     Sections,
-    /// The seed draws, one vehicle in eight the second.
+    /// The seed draws one: `sections` in one of eight cases.
     Seed,
 }
 
-/// Which layout of BPRTC is read.
+/// Which layout of BPRTC the vehicle reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TrackcircleLayout {
-    /// The table's with an entry angle, and the header's where the field is missing.
+    /// The table's layout, with an entry angle, or the header's if that field is missing.
     #[default]
     Either,
-    /// The table's alone: where a field is missing it is the interrupt code.
+    /// Only the table's. If a field is missing, the interrupt code is read as the entry angle, and the interrupt code
+    /// counts as missing.
     Table,
-    /// The header's alone: what stands where the entry angle would is the interrupt code.
+    /// Only the header's. A value in the place of the entry angle is read as the interrupt code.
     Header,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
-/// What may not be interrupted.
+/// What an insert may not interrupt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Interruption {
-    /// Any insert of a set whose first has interrupted the plan.
+    /// Every insert of a set whose first one interrupted the plan.
     #[default]
     Set,
-    /// The insert alone that has interrupted, while it runs.
+    /// Only an insert that itself interrupted, while it is being flown.
     Behavior,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
-/// Where an insert has its place while the current behavior is neither survey leg nor trackcircle.
+/// When an insert is flown if the current behavior is neither a trackline nor a trackcircle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum InsertPlace {
-    /// Before the next leg or circle of the plan, by the letter of SPI 7.5; after the current behavior where none comes.
+    /// Before the next trackline or trackcircle of the plan, as SPI 7.5 says; without one, after the current behavior.
     #[default]
     Leg,
     /// After the current behavior, whatever it is.
     Current,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
-/// What becomes of a modify beyond the vehicle's safe operating parameters.
+/// What happens to a modify beyond the vehicle's safe operating parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ModifyBeyond {
-    /// It is taken, and the vehicle flies what is safe of it.
+    /// The vehicle accepts it and flies what is safe of it.
     #[default]
     Clip,
-    /// It fails, and a modify that is in force stays as it was.
+    /// The vehicle refuses it. A modify that is in force stays.
     Refuse,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
@@ -138,42 +140,42 @@ pub enum ModifyBeyond {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ModifyFins {
-    /// The angles that are held.
+    /// The angles that the vehicle holds.
     #[default]
     Absolute,
-    /// Added to what the behavior's own steering asks for.
+    /// Angles that are added to the behavior's own steering.
     Change,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
-/// What becomes of inserts when BFCTL falls to 0.
+/// What happens to inserts when the payload loses control (BFCTL 0).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum InsertsAfterControl {
     /// They are flown.
     #[default]
     Fly,
-    /// The waiting ones are deleted and a running one ends.
+    /// Those that wait are deleted, and the one that is being flown ends.
     Drop,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
-/// What follows an insert that has interrupted a behavior.
+/// What the vehicle flies after an insert that interrupted a behavior.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AfterInterrupt {
     /// The behavior after the interrupted one.
     #[default]
     Next,
-    /// The interrupted one, where it was left.
+    /// The interrupted one, from where it was left.
     Resume,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
-/// Whose inserts BPRCA cancels.
+/// Whose inserts BPRCA or BPRCN cancels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CancelAllScope {
@@ -182,20 +184,20 @@ pub enum CancelAllScope {
     All,
     /// Those of the client that asks.
     Own,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
-/// What BPRMB's heading counts from.
+/// Which north the heading of BPRMB counts from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HeadingFrame {
     /// True north.
     #[default]
     True,
-    /// North of the UTM grid, as BFNVG's.
+    /// The north of the UTM grid, as in BFNVG.
     Grid,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
@@ -203,40 +205,40 @@ pub enum HeadingFrame {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AfterSuspension {
-    /// A trackline and a trackcircle from where they were suspended, a waypoint and a setpoint from where it is.
+    /// A trackline or trackcircle from where it was suspended, a waypoint or setpoint from where the vehicle is.
     #[default]
     Behavior,
-    /// From where it was suspended: the vehicle returns there first.
+    /// From where it was suspended: the vehicle goes back there first.
     Return,
     /// From where the vehicle is.
     Here,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
-/// What a request for silence does to an adjustment that a payload has asked for.
+/// What a request for silent mode does to an adjustment that a payload asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AdjustmentWhenSilenced {
-    /// It is cancelled.
+    /// It cancels the adjustment.
     #[default]
     Cancel,
-    /// It goes on, and the request for silence fails.
+    /// It fails, and the adjustment goes on.
     Refuse,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
-/// Which way the vertical position on a hull counts.
+/// Which way vertical positions on a hull count from the waterline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HullVertical {
-    /// Down, as depth does.
+    /// Downwards, as depth does.
     #[default]
     Down,
-    /// Up: places on the hull are negative.
+    /// Upwards: positions on the hull are negative.
     Up,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
@@ -249,16 +251,16 @@ pub enum UnackedFrames {
     Unacknowledged,
     /// Failed to send (3).
     Failed,
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
 /// A value, or `"seed"`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice<T> {
-    /// This, whatever the seed.
+    /// This value, whatever the seed.
     Fixed(T),
-    /// The seed draws.
+    /// The seed draws one.
     Seed,
 }
 
@@ -378,7 +380,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_and_the_word_seed() {
+    fn a_choice_is_a_value_or_the_word_seed() {
         let parse = |text: &str| toml::from_str::<InterpretationConfig>(text);
         let config = parse("lead_in_m = 30\ncontrol_replay = true\nafter_interrupt = \"seed\"").unwrap();
         assert_eq!(config.lead_in_m, Choice::Fixed(30.0));

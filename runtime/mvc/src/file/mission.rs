@@ -4,75 +4,76 @@ use serde::Deserialize;
 use crate::error::{MvcError, check};
 use crate::file::MissionCommandConfig;
 
-/// The `[mission]` section: how the mission starts, ends, and bounds what a payload may do.
+/// The `[mission]` section: how the mission starts and ends, and what it lets a payload do.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MissionConfig {
-    /// The mission starts this long after the run, seconds, 0 to 86400.
+    /// When the mission starts, counted from the start of the run, seconds, 0 to 86400.
     pub starts_after_s: f64,
-    /// Name of the dive file that BFMIS, BFMBS and BFMBE carry.
+    /// The name of the dive file, as BFMIS, BFMBS and BFMBE give it.
     pub dive_file: String,
-    /// The logging directory that follows `Running` in BFMIS (SPI 6.11); may be empty.
+    /// The folder that BFMIS names after `Running` (SPI 6.11); may be empty. The mock writes nothing there.
     pub log_dir: String,
-    /// What the vehicle does after the last element.
+    /// What the vehicle does after the last element of its plan, or when its mission is aborted.
     pub wrap_up: WrapUp,
-    /// The mission is aborted where it takes longer, seconds; none has no limit.
+    /// The longest time that the mission may take before the vehicle aborts it, seconds; `None` for no limit.
     pub time_limit_s: Option<f64>,
-    /// How many inserts may wait, 1 to 1000.
+    /// How many inserts of payloads may wait in the plan, 1 to 1000. More are refused.
     pub inserts_max: u32,
-    /// The most time that one behavior may be modified, in all, seconds; none has no limit (SPI 7.12).
+    /// How long one behavior may be modified in all, seconds; `None` for no limit (SPI 7.12).
     pub modify_total_s: Option<f64>,
-    /// The farthest that a modify may take the vehicle from the behavior's own line, metres; none has no limit
-    /// (SPI 7.12). A setpoint has no line.
+    /// How far a modify may take the vehicle from the line of the behavior, metres; `None` for no limit (SPI 7.12). A
+    /// setpoint has no line.
     pub modify_deviation_m: Option<f64>,
-    /// What a modify beyond those limits ends.
+    /// What ends when a modify exceeds one of these two limits.
     pub modify_limit: ModifyLimit,
-    /// When BFCTL gives control to the payload (SPI 6.24).
+    /// When the payload has control (BFCTL 1, SPI 6.24).
     pub control: ControlWindow,
-    /// The antenna is out of the water for so long before there is a GPS fix, seconds, drawn for the run, 0 to 600.
+    /// How long the antenna must be out of the water before a GPS hit has its fix, seconds, drawn once for the run, 0
+    /// to 600.
     pub gps_fix_s: Span,
-    /// A GPS hit gives up where it has no fix so long after it came to its place, seconds, 1 to 1e5 (SPI 7.7:
-    /// "currently uses vehicle default").
+    /// How long after it came to its place a GPS hit gives up without a fix, seconds, 1 to 1e5 (SPI 7.7: "currently
+    /// uses vehicle default").
     pub gps_within_s: f64,
     /// Whether a payload may start an empty mission (SPI 7.20: "must be specially configured").
     pub empty_allowed: bool,
-    /// The payload's power goes off this long after the start of the run, seconds, 60 or more: BFSHT comes 60 s
-    /// before (SPI 5.2), and at the end every client is cut off. None leaves it on.
+    /// When the payload's power goes off, counted from the start of the run, seconds, 60 or more. The vehicle sends
+    /// BFSHT 60 s before (SPI 5.2), and cuts off every client when the power goes off. With `None` it stays on.
     pub shutdown_after_s: Option<f64>,
-    /// What the mission tells payloads on its way (SPI 5.1), at most 1000.
+    /// The mission commands that the vehicle sends at given times (SPI 5.1), at most 1000.
     pub commands: Vec<MissionCommandConfig>,
 }
 
-/// What the vehicle does after the last element of its plan.
+/// What the vehicle does after the last element of its plan, or when its mission is aborted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum WrapUp {
-    /// The mission is completed at once.
+    /// The mission is over at once.
     #[default]
     None,
-    /// BFMIS says `WrappingUp` while the vehicle climbs to the surface, then `Completed`.
+    /// The vehicle climbs to the surface first. BFMIS reports `WrappingUp`, or `Aborting` after an abort, meanwhile.
     Surface,
 }
 
-/// When BFCTL gives control to the payload (SPI 6.24 has both).
+/// When the payload has control (BFCTL 1). SPI 6.24 allows both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ControlWindow {
-    /// While the plan's current element allows dynamic requests.
+    /// While the current element of the plan allows dynamic requests.
     #[default]
     Plan,
-    /// From the mission's start to its end.
+    /// From the start of the mission to its end.
     Mission,
 }
 
-/// What a modify beyond the mission's limits ends (SPI 7.12 lets it terminate the behavior).
+/// What ends when a modify exceeds a limit of the mission. SPI 7.12 allows the vehicle to end the behavior.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ModifyLimit {
-    /// The behavior itself: the next one begins.
+    /// The behavior: the next one begins. The modify is over.
     #[default]
     Behavior,
-    /// The modify alone, and no other is allowed under the same behavior.
+    /// The modify alone. No other is accepted under the same behavior.
     Modify,
 }
 

@@ -2,15 +2,16 @@ use serde::Deserialize;
 
 use crate::error::{MvcError, check};
 
-/// One `[[mission.commands]]`: BFMSC, as a user-defined behavior of the mission sends it (SPI 5.1).
+/// One `[[mission.commands]]`: a mission command (BFMSC) that a user-defined behavior of the mission sends (SPI 5.1).
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MissionCommandConfig {
-    /// When, seconds after the mission's start, 0 to 1e7. A mission that is over by then does not send it.
+    /// When the vehicle sends it, seconds after the mission's start, 0 to 1e7. A mission that is over by then does not
+    /// send it.
     pub at_s: f64,
-    /// To whom: the client that holds this role; none sends it to all.
+    /// The role of the client that gets it; `None` for every client.
     pub role: Option<String>,
-    /// The text: at most 1000 characters, whose meaning is the payload's.
+    /// Its text, 1 to 1000 characters. Only the payload understands it.
     pub text: String,
 }
 

@@ -4,37 +4,38 @@ use serde::Deserialize;
 
 use crate::error::{MvcError, check};
 
-/// BFSHT comes at least this long before the payload's power goes off (SPI 5.2: at least 1 minute).
+/// The vehicle sends BFSHT this long before the payload's power goes off (SPI 5.2: at least 1 minute).
 pub(crate) const SHUTDOWN_NOTICE: Duration = Duration::from_secs(60);
 
-/// The `[power]` section: the batteries (SPI 6.8) and when they take the payload's power (SPI 5.2).
+/// The `[power]` section: the batteries (SPI 6.8), and when the payload's power goes off because of them (SPI 5.2).
 ///
-/// The defaults are those of a survey torpedo as public data sheets give them: three packs of 1.5 kWh at a nominal
-/// 30 V, a few hours at 3 knots.
+/// The defaults are those of a survey torpedo by public data sheets: three packs of 1.5 kWh at a nominal 30 V, a few
+/// hours at 3 knots.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PowerConfig {
-    /// Energy of all batteries together when full, watt-hours, 1 to 1e6.
+    /// The energy of all batteries together when they are full, watt-hours, 1 to 1e6.
     pub capacity_wh: f64,
-    /// State of charge at first, percent, 0 to 100.
+    /// The state of charge at the start, percent, 0 to 100.
     pub initial_percent: f64,
-    /// How many batteries there are, 1 to 32. With more than one, BFRBS also comes for the pseudo battery 0.
+    /// How many batteries there are, 1 to 32. With more than one, BFRBS also reports all of them together, as battery
+    /// 0.
     pub batteries: u32,
-    /// Cells in series in a battery, 1 to 200.
+    /// How many cells in series a battery has, 1 to 200.
     pub cells: u32,
-    /// Inner resistance of all batteries side by side, ohms, 0 to 10.
+    /// The inner resistance of all batteries in parallel, ohms, 0 to 10.
     pub resistance_ohm: f64,
-    /// What all but the thruster draws, watts, 0 to 10000.
+    /// What everything but the thruster draws, watts, 0 to 10000.
     pub hotel_w: f64,
-    /// What the thruster draws at a metre a second through the water, watts; it goes with the cube of the speed. 0 to
-    /// 10000.
+    /// What the thruster draws at 1 m/s through the water, watts, 0 to 10000. At other speeds it draws as the cube of
+    /// the speed.
     pub propulsion_w_at_1_mps: f64,
-    /// How much warmer the hottest cell is than the water, degrees Celsius for each 100 W drawn, 0 to 50.
+    /// How much warmer than the water the hottest cell is, degrees Celsius for each 100 W that is drawn, 0 to 50.
     pub warming_c_per_100w: f64,
-    /// At this state of charge BFSHT comes and, a minute later, the payload's power goes off, percent, 0 to 100. None
-    /// leaves it on.
+    /// The state of charge at which the vehicle sends BFSHT, percent, 0 to 100. The payload's power goes off one minute
+    /// later. With `None` it stays on.
     pub shutdown_below_percent: Option<f64>,
-    /// Time between two series of BFRBS, seconds, 0.1 to 3600.
+    /// The time from one series of BFRBS to the next, seconds, 0.1 to 3600.
     pub status_period_s: f64,
 }
 

@@ -5,34 +5,34 @@ use serde::Deserialize;
 
 use crate::error::MvcError;
 
-/// One `[[spi.roles]]`: a client that connects from this address holds this role, where nobody else holds it (SPI 4.1).
+/// One `[[spi.roles]]`: a client that connects from this address holds this role if no other client holds it (SPI 4.1).
 ///
-/// As text it is `ADDRESS:PORT:ROLE`, where PORT may be left empty: `127.0.0.1:12345:sonar`, `192.168.10.10::sonar`.
-/// Several may name the same role.
+/// As text it is `ADDRESS:PORT:ROLE`, where PORT may be empty: `127.0.0.1:12345:sonar`, `192.168.10.10::sonar`. Several
+/// entries may have the same role.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoleConfig {
     /// The address that the client connects from.
     pub address: IpAddr,
-    /// The port that it connects from; none fits any, and yields to a pattern with the port.
+    /// The port that the client connects from; `None` fits any port, but an entry with the client's port comes first.
     pub port: Option<u16>,
-    /// The role: 1 to 32 letters, digits, `_` and `-`.
+    /// The name of the role: 1 to 32 letters, digits, `_` and `-`.
     pub role: String,
 }
 
-/// What becomes of a client that no role fits, where there are roles. The specification says that its example with one
-/// role "only allows a single connection" (4.1).
+/// What happens to a client whose address has no role, if there are roles. The specification says that its example with
+/// one role "only allows a single connection" (4.1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum WithoutRole {
-    /// It is turned away.
+    /// The vehicle turns it away.
     #[default]
     Refuse,
-    /// It is served, and holds no role.
+    /// The vehicle serves it, without a role.
     Accept,
 }
 
-/// A text that is no role.
+/// A text that does not describe a role.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}`: expected ADDRESS:PORT:ROLE or ADDRESS::ROLE, such as 127.0.0.1:12345:sonar: {fault}")]
 pub struct RoleError {
@@ -43,16 +43,16 @@ pub struct RoleError {
 const NAME: &str = "a role is 1 to 32 letters, digits, _ and -";
 
 impl RoleConfig {
-    /// Whether a client from there may hold the role.
+    /// Whether a client with this address may hold the role.
     #[must_use]
     pub fn fits(&self, client: SocketAddr) -> bool {
         self.address.to_canonical() == client.ip().to_canonical() && self.port.is_none_or(|port| port == client.port())
     }
 
-    /// The roles of a list with commas.
+    /// Reads a list of roles separated by commas.
     ///
     /// # Errors
-    /// [`RoleError`] names the first that is none, and what was expected.
+    /// [`RoleError`] with the first entry that is not a role, and what was expected.
     pub fn list(text: &str) -> Result<Vec<Self>, RoleError> {
         text.split(',').map(str::parse).collect()
     }
@@ -82,21 +82,21 @@ impl FromStr for RoleConfig {
             text: text.chars().take(100).collect(),
             fault,
         };
-        // From the end: an address of version 6 has colons of its own.
+        // Split from the end, because an IPv6 address contains colons.
         let mut parts = text.trim().rsplitn(3, ':');
         let (Some(role), Some(port), Some(address)) = (parts.next(), parts.next(), parts.next()) else {
-            return Err(fault("it has not three parts"));
+            return Err(fault("it does not have three parts"));
         };
         let address = address.trim_start_matches('[').trim_end_matches(']');
         let port = match port {
             "" => None,
             port => Some(
                 port.parse()
-                    .map_err(|_| fault("the port is no number from 0 to 65535"))?,
+                    .map_err(|_| fault("the port is not a number from 0 to 65535"))?,
             ),
         };
         Ok(Self {
-            address: address.parse().map_err(|_| fault("the address is none"))?,
+            address: address.parse().map_err(|_| fault("the address is not an IP address"))?,
             port,
             role: if is_name(role) {
                 role.to_owned()
@@ -124,12 +124,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_role_is_told() {
+    fn an_invalid_role_is_refused_with_its_fault() {
         for (text, fault) in [
             ("127.0.0.1", "three parts"),
             ("127.0.0.1:foo", "three parts"),
             ("127.0.0.1:70000:foo", "0 to 65535"),
-            ("localhost::foo", "the address is none"),
+            ("localhost::foo", "the address is not an IP address"),
             ("127.0.0.1::", NAME),
             ("127.0.0.1::a b", NAME),
             ("", "three parts"),

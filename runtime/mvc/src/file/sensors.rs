@@ -17,59 +17,62 @@ pub use water::{DepthSensorConfig, SoundConfig};
 
 use crate::error::{MvcError, check};
 
-/// The `[sensors]` section: noise is the standard deviation of one reading. 0 is a perfect sensor.
+/// The `[sensors]` section. A *noise* is the standard deviation of one reading; a *bias* is the standard deviation of
+/// an error that the seed draws once for the run. 0 is a perfect sensor.
 ///
-/// The keys of the section itself are what BFNVG, BFNVR and BFCTD are made with; each other sensor has a section below.
+/// The keys of the section itself decide what BFNVG, BFNVR and BFCTD report; each other sensor has a section of its own
+/// below.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorConfig {
-    /// Position, metres a reading, each way.
+    /// Noise of the position in BFNVG, in each direction, metres.
     pub position_noise_m: f64,
-    /// Drift of the position with bottom lock: a random walk whose standard deviation each way after an hour is this,
-    /// metres. Scale, alignment and heading errors come on top, a share of the distance. GPS ends it.
+    /// How far the position drifts with bottom lock: the standard deviation of a random walk after an hour, in each
+    /// direction, metres. Errors of scale, alignment and heading come on top, as a share of the distance. A GPS fix
+    /// ends them.
     pub position_drift_m_per_sqrt_h: f64,
-    /// Depth, metres.
+    /// Noise of the depth, metres.
     pub depth_noise_m: f64,
-    /// Heading, degrees.
+    /// Noise of the heading, degrees.
     pub heading_noise_deg: f64,
-    /// Roll and pitch, degrees.
+    /// Noise of roll and pitch, degrees.
     pub attitude_noise_deg: f64,
-    /// Velocity over ground, metres a second each way.
+    /// Noise of the velocity over ground, in each direction, metres a second.
     pub velocity_noise_mps: f64,
-    /// Altitude, metres.
+    /// Noise of the altitude, metres.
     pub altitude_noise_m: f64,
-    /// The greatest altitude with bottom lock, metres. A beam reaches as far as it is long at this altitude.
+    /// The greatest altitude with bottom lock, metres. The range of a beam is at most its length at this altitude.
     pub altitude_range_m: f64,
     /// The least altitude with bottom lock, metres.
     pub altitude_blanking_m: f64,
-    /// Losses of bottom lock an hour.
+    /// How many times bottom lock is lost in an hour, in the mean.
     pub altitude_dropouts_per_h: f64,
-    /// Mean length of a loss of bottom lock, seconds, 0.1 or more.
+    /// How long such a loss lasts, in the mean, seconds, 0.1 or more.
     pub altitude_dropout_s: f64,
-    /// Temperature, degrees Celsius.
+    /// Noise of the temperature, degrees Celsius.
     pub temperature_noise_c: f64,
-    /// Conductivity, microsiemens a centimetre.
+    /// Noise of the conductivity, microsiemens per centimetre.
     pub conductivity_noise_us_per_cm: f64,
-    /// Pressure, kilopascals.
+    /// Noise of the pressure, kilopascals.
     pub pressure_noise_kpa: f64,
-    /// Standard deviation of the temperature's constant error, which the seed draws, degrees Celsius (Sea-Bird SBE 49, data
-    /// sheet: initial accuracy; the next two also).
+    /// Bias of the temperature, degrees Celsius. The defaults of this and the next two are the initial accuracy of a
+    /// Sea-Bird SBE 49 (data sheet).
     pub temperature_bias_c: f64,
-    /// The same of the conductivity, microsiemens a centimetre.
+    /// Bias of the conductivity, microsiemens per centimetre.
     pub conductivity_bias_us_per_cm: f64,
-    /// The same of the pressure, kilopascals.
+    /// Bias of the pressure, kilopascals.
     pub pressure_bias_kpa: f64,
-    /// Seconds between CTD readings, 0.1 to 3600.
+    /// The time from one reading of the CTD to the next, seconds, 0.1 to 3600.
     pub ctd_period_s: f64,
-    /// The vehicle has a CTD; else BFCTD never comes (SPI 6.16).
+    /// Whether the vehicle has a CTD. Without one, it sends no BFCTD (SPI 6.16).
     pub ctd_fitted: bool,
-    /// Inertial system.
+    /// Inertial navigation system.
     pub ins: InsConfig,
     /// Doppler log.
     pub dvl: DvlConfig,
     /// GPS.
     pub gps: GpsConfig,
-    /// Fixes of the payload.
+    /// Position fixes from payloads.
     pub fixes: FixConfig,
     /// Compasses.
     pub compass: CompassConfig,

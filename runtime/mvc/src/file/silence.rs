@@ -7,14 +7,15 @@ use crate::error::{MvcError, check};
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SilenceConfig {
-    /// How long the devices take to go quiet or to come back, seconds, drawn for each request: the second
-    /// acknowledgement comes after it, at most 2 s less one step of the vehicle.
+    /// How long the devices take to go quiet or to come back, seconds, drawn for each request, at most 2 s less one
+    /// step of the vehicle. The second acknowledgement comes then.
     pub settle_s: Span,
-    /// Silent mode ends by itself after this, seconds, 1 to 86400.
+    /// The time after which silent mode ends by itself, seconds, 1 to 86400.
     pub timeout_s: f64,
-    /// How long the tailcone spins on once its thruster is off, seconds, 0 to 60.
+    /// How long the propeller still turns after its thruster is off, seconds, 0 to 60. Silent mode cannot begin before
+    /// it stops.
     pub spin_down_s: f64,
-    /// How likely a request for silence fails although the tailcone has stopped, 0 to 1.
+    /// How likely a request for silent mode fails although the propeller has stopped, 0 to 1.
     pub failure_chance: f64,
 }
 

@@ -4,42 +4,44 @@ use serde::Deserialize;
 use crate::error::{MvcError, check};
 use crate::file::{RoleConfig, WithoutRole};
 
-/// The `[spi]` section: the server that payloads talk to.
+/// The `[spi]` section: the server that payloads connect to.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SpiConfig {
     /// The interface version that BFVER announces.
     pub version: String,
-    /// What a new client is sent unasked.
+    /// What the vehicle sends to a new client before it asks for anything.
     pub profile: Profile,
-    /// When requests that change the plan are answered.
+    /// How the vehicle answers requests that change its plan, and messages to the topside (SPI 4.4).
     pub acknowledge: AcknowledgeConfig,
-    /// How long such a request stays pending, seconds, drawn for each, at most 2 (SPI 4.4).
+    /// How long such a request is pending, seconds, drawn for each, 0 to 1.9, and at most 2 s less one step of the
+    /// vehicle (SPI 4.4).
     pub pending_s: Span,
-    /// How many clients may be connected at once, 1 to 256.
+    /// How many clients may be connected at once, 1 to 256. More are turned away.
     pub clients_max: u32,
-    /// The roles that clients hold by the address that they connect from (SPI 4.1), at most 256; none knows no roles.
+    /// The roles that clients hold according to the address that they connect from (SPI 4.1), at most 256 entries; an
+    /// empty list means that there are no roles.
     pub roles: Vec<RoleConfig>,
-    /// What becomes of a client that no role fits, where there are roles.
+    /// What happens to a client whose address has no role, if there are roles.
     pub without_role: WithoutRole,
 }
 
-/// What a new client is sent unasked.
+/// What the vehicle sends to a new client before it asks for anything.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Profile {
-    /// Status messages are all off, as the specification says (section 6).
+    /// No status messages, as the specification says (section 6).
     #[default]
     Spec,
-    /// CTL and MIS are on from the start, as vehicles in the field have them.
+    /// BFCTL and BFMIS, as vehicles in the field do.
     Field,
 }
 
-/// When requests that change the plan are answered.
+/// How the vehicle answers requests that change its plan, and messages to the topside (SPI 4.4).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AcknowledgeConfig {
-    /// First "pending", then the outcome.
+    /// First `pending`, and the outcome later.
     #[default]
     Pending,
     /// The outcome at once.
@@ -64,7 +66,7 @@ impl SpiConfig {
     pub(crate) fn validate(&self) -> Result<(), MvcError> {
         let (least, most) = (self.pending_s.least(), self.pending_s.most());
         check(least >= 0.0 && least <= most, "spi.pending_s", least, "0 to 1.9 s")?;
-        // A tick may pass between the due time and the answer.
+        // A step of the vehicle may pass between the due time and the answer.
         check(most <= 1.9, "spi.pending_s", most, "0 to 1.9 s")?;
         let clients = self.clients_max;
         check(

@@ -5,23 +5,24 @@ use toml::value::{Datetime, Offset};
 
 use crate::error::{MvcError, check};
 
-/// The `[start]` section: when the run starts, and where the vehicle is then, held until its mission starts.
+/// The `[start]` section: when the run starts, and where the vehicle is then. The vehicle is held there until its
+/// mission starts.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartConfig {
-    /// UTC at the start of the run, a TOML date-time with its offset: `2026-06-01T08:00:00Z`.
+    /// UTC at the start of the run, a TOML date-time with an offset: `2026-06-01T08:00:00Z`.
     #[serde(deserialize_with = "utc")]
     pub utc: Utc,
-    /// Metres east of the origin.
+    /// Where the vehicle is, metres east of the origin.
     #[serde(default)]
     pub east_m: f64,
-    /// Metres north of the origin.
+    /// Where the vehicle is, metres north of the origin.
     #[serde(default)]
     pub north_m: f64,
-    /// Depth, metres, 0 to 6000.
+    /// How deep the vehicle is, metres, 0 to 6000.
     #[serde(default)]
     pub depth_m: f64,
-    /// Heading, degrees from true north.
+    /// Where the vehicle points to, degrees from true north.
     #[serde(default)]
     pub heading_deg: f64,
 }
@@ -57,7 +58,7 @@ impl StartConfig {
 
 fn utc<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Utc, D::Error> {
     let moment = Datetime::deserialize(deserializer)?;
-    let expected = "expected a date and time since 1970 with its offset, as 2026-06-01T08:00:00Z";
+    let expected = "expected a date and time since 1970 with its offset, such as 2026-06-01T08:00:00Z";
     let (Some(date), Some(time), Some(offset)) = (moment.date, moment.time, moment.offset) else {
         return Err(D::Error::custom(expected));
     };
@@ -70,7 +71,7 @@ fn utc<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Utc, D::Error> {
         + i64::from(time.minute) * 60
         + i64::from(time.second.unwrap_or(0))
         - offset_min * 60;
-    // 2200 keeps the run's end, centuries later, within 64 bits of nanoseconds.
+    // Before 2200, even the end of a run that lasts for centuries fits into 64 bits of nanoseconds.
     match u64::try_from(seconds) {
         Ok(seconds) if date.year < 2200 => Ok(Utc::from_unix_nanos(
             seconds * 1_000_000_000 + u64::from(time.nanosecond.unwrap_or(0)),
@@ -102,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn an_offset_is_taken_off() {
+    fn an_offset_is_subtracted() {
         let at = |text: &str| toml::from_str::<StartConfig>(text).map(|start| start.utc.as_unix_nanos());
         assert_eq!(at("utc = 1970-01-01T02:00:01.5+02:00").unwrap(), 1_500_000_000);
         for bad in [

@@ -7,17 +7,17 @@ use crate::error::{MvcError, check};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TopsideConfig {
-    /// Whether BPTMR is taken ("not available on most vehicles").
+    /// Whether the vehicle accepts BPTMR ("not available on most vehicles").
     pub relay: bool,
-    /// How many messages may wait for their delivery, 1 to 1000: a BPTOP beyond that fails.
+    /// How many messages may wait for their delivery, 1 to 1000. A BPTOP beyond that fails.
     pub queue_max: u32,
-    /// The best link on the surface.
+    /// The link that carries messages at the surface.
     pub surfaced: Transport,
-    /// The best link under water. Silent mode keeps the acoustic modem from sending.
+    /// The link that carries messages under water. In silent mode the acoustic modem sends nothing.
     pub submerged: Transport,
     /// How long the delivery of one message takes, seconds, 0 to 3600.
     pub delivery_s: f64,
-    /// What the topside sends to the payload, in order of time.
+    /// The messages from the topside to the payload, in order of time.
     pub messages: Vec<TopsideEntry>,
 }
 
@@ -27,11 +27,11 @@ pub struct TopsideConfig {
 pub struct TopsideEntry {
     /// When it arrives, seconds after the start.
     pub at_s: f64,
-    /// How it comes.
+    /// The link that it comes by.
     pub transport: Transport,
-    /// Its text: at most 200 printable characters, no comma, asterisk or dollar.
+    /// Its text: 1 to 200 printable ASCII characters without comma, asterisk and dollar.
     pub text: String,
-    /// The role of the payload that it is for (SPI 4.1); none is for all.
+    /// The role of the client that gets it (SPI 4.1); `None` for every client.
     #[serde(default)]
     pub role: Option<String>,
 }

@@ -5,35 +5,36 @@ use crate::error::{MvcError, check};
 use crate::vehicle::performance::Performance;
 use crate::vehicle::sixdof::flown;
 
-/// How the vehicle's motion is worked out.
+/// How the vehicle's motion is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum MotionModel {
-    /// First-order lags of speed, turn and depth rate, with the class's limits. Fast.
+    /// First-order lags of speed, turn and depth rate, within the limits of the class. Fast to compute.
     #[default]
     #[serde(rename = "kinematic")]
     Kinematic,
-    /// A rigid body with six degrees of freedom: the published REMUS 100 with an autopilot of ours, within the class's
-    /// limits as far as that body reaches them (it steers and holds its depth from 1 m/s on, and turns slower).
-    /// Integrated at 50 Hz whatever `tick_hz` is. Not for a hovering vehicle.
+    /// A rigid body with six degrees of freedom: the published REMUS 100 under an autopilot of our own. It keeps the
+    /// class's limits as far as that body reaches them: it needs at least 1 m/s to steer and to hold its depth, and
+    /// turns more slowly. It is integrated at 50 Hz, whatever `tick_hz` is. Not for a hovering vehicle.
     #[serde(rename = "6-dof")]
     SixDof,
 }
 
-/// The `[vehicle]` section: which class, and limits tighter than the class's own.
+/// The `[vehicle]` section: the class, and limits tighter than those of the class.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct VehicleConfig {
-    /// Which class.
+    /// The class of the vehicle.
     pub class: VehicleClass,
     /// How it moves: `kinematic` or `6-dof`.
     pub model: MotionModel,
-    /// The deepest that the vehicle goes, whatever is asked, metres; none is the class's rating.
+    /// The greatest depth to which the vehicle goes, whatever is asked, metres; `None` for the class's rating.
     pub depth_max_m: Option<f64>,
-    /// The closest that it goes to the seabed, whatever is asked, metres, 0 to 100.
+    /// The least height above the seabed that the vehicle keeps, whatever is asked, metres, 0 to 100.
     pub altitude_min_m: f64,
-    /// The fastest that it goes through the water, metres a second; none is the class's.
+    /// The greatest speed through the water, metres a second; `None` for that of the class.
     pub speed_max_mps: Option<f64>,
-    /// Steps of the vehicle and navigation messages a second, 1 to 100. Real vehicles: 10.
+    /// How many steps of the vehicle, and how many BFNVG and BFNVR, there are in a second, 1 to 100. Real vehicles send
+    /// 10.
     pub tick_hz: u32,
 }
 
@@ -51,7 +52,7 @@ impl Default for VehicleConfig {
 }
 
 impl VehicleConfig {
-    /// What the class can do under this section's model, with this section's limits put in.
+    /// What the vehicle can do: the class's performance under this section's model and limits.
     #[must_use]
     pub fn performance(&self) -> Performance {
         let performance = *Performance::of(self.class);
@@ -62,7 +63,7 @@ impl VehicleConfig {
         })
     }
 
-    /// The part of that which plans are held against.
+    /// The part of [`VehicleConfig::performance`] against which plans are checked.
     #[must_use]
     pub fn limits(&self) -> VehicleLimits {
         let performance = self.performance();
@@ -87,13 +88,13 @@ impl VehicleConfig {
             return Err(MvcError::Value {
                 key: "vehicle.model",
                 value: "\"6-dof\"".to_owned(),
-                expected: "\"kinematic\" where vehicle.class is \"hovering\": the body of 6-dof is a torpedo",
+                expected: "\"kinematic\" with the class \"hovering\": the body of 6-dof is a torpedo",
             });
         }
         let performance = self.under_model(Performance::of(self.class));
         if let Some(depth) = self.depth_max_m {
             let ok = (1.0..=performance.depth_max_m).contains(&depth);
-            check(ok, "vehicle.depth_max_m", depth, "1 m to the class's rating")?;
+            check(ok, "vehicle.depth_max_m", depth, "1 m to the rating of the class")?;
         }
         if let Some(speed) = self.speed_max_mps {
             let ok = speed > performance.speed_min_mps && speed <= performance.speed_max_mps;
@@ -101,7 +102,7 @@ impl VehicleConfig {
                 ok,
                 "vehicle.speed_max_mps",
                 speed,
-                "above the class's least speed, at most its greatest",
+                "above the least speed of the class, at most its greatest",
             )?;
         }
         let altitude = self.altitude_min_m;

@@ -8,19 +8,19 @@ use backseat_world::Stream;
 use crate::event::ClientId;
 use crate::faults::{Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind};
 
-/// What may be under way in one direction, bytes and pieces. Beyond it the connection counts as cut: a real one's
-/// sender gives up when nothing is fetched.
+/// How many bytes and pieces may be under way in one direction. With more the connection counts as cut: a real sender
+/// gives up when the other side does not read.
 const QUEUE_MAX: usize = 1 << 20;
 const PIECES_MAX: usize = 1 << 16;
-/// No piece that was gathered is longer, bytes.
+/// The longest piece that several writes may become, bytes.
 const PIECE_MAX: usize = 1 << 16;
-/// A sentence is not waited for beyond so many bytes.
+/// This many bytes without a line end count as a sentence.
 const SENTENCE_MAX: usize = 4096;
 const SPARES_MAX: usize = 8;
-/// What grows with time is no longer.
+/// The most by which `growth` lengthens a delay.
 const GROWN_MAX: Duration = Duration::from_secs(60);
 
-/// Which way bytes go.
+/// The direction of bytes on a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// From a payload to the vehicle.
@@ -29,17 +29,17 @@ pub enum Direction {
     FromVehicle,
 }
 
-/// The faults of a plan that a link's driver plays.
+/// The faults of a plan that the driver of a link plays.
 ///
-/// The driver asks [`LinkFaults::refuses`] before it accepts a connection, makes a [`FaultyLink`] for each of its
-/// directions, and puts every byte through them. The vehicle's own log says when each fault begins and ends.
+/// The driver calls [`LinkFaults::refuses`] before it accepts a connection, makes a [`FaultyLink`] for each direction
+/// of the connection, and passes every byte through them. The vehicle's own log says when each fault begins and ends.
 #[derive(Clone, Debug, Default)]
 pub struct LinkFaults {
     faults: Vec<(Window, LinkFault)>,
     seed: u64,
 }
 
-/// A fault's time: it acts from the first instant up to, and not at, the last.
+/// The time of a fault: it acts from `from` until just before `until`.
 #[derive(Clone, Copy, Debug)]
 struct Window {
     from: Timestamp,
@@ -60,7 +60,8 @@ impl Window {
 }
 
 impl LinkFaults {
-    /// The plan's faults of links. The seed draws what they leave open: which bytes, which sentences, how much jitter.
+    /// The plan's faults of links. The seed draws what the plan leaves open: which bytes, which sentences, how much
+    /// jitter.
     #[must_use]
     pub fn new(plan: &FaultPlan, seed: u64) -> Self {
         let mut faults = Self {
@@ -73,8 +74,8 @@ impl LinkFaults {
         faults
     }
 
-    /// One more fault, as if the plan had had it from the beginning: for connections that are made later. Those that
-    /// are there are told by [`FaultyLink::inject`]. What is no fault of a link changes nothing.
+    /// Adds a fault for connections that are made later, as if the plan had always had it. For existing connections
+    /// call [`FaultyLink::inject`]. A fault that is not one of a link changes nothing.
     pub fn inject(&mut self, fault: &Fault) {
         if let FaultKind::Link(link) = &fault.kind {
             let window = Window::of(fault);
@@ -113,7 +114,7 @@ impl LinkFaults {
             quiet_until: Timestamp::MAX,
             acts: Vec::new(),
             cut_at: Timestamp::MAX,
-            // A connection that never meets a fault pays for no key.
+            // Made at the first draw, so that a connection without faults does not pay for it.
             stream: None,
             seed: self.seed,
             name: format!("link fault {way} the vehicle, {client}"),
@@ -128,7 +129,7 @@ impl LinkFaults {
             spare: Vec::new(),
         };
         for (window, fault) in &self.faults {
-            // What was over, and the cut that this connection came after.
+            // Skip faults that were over, and a cut that began before this connection.
             let past = match fault.kind {
                 LinkFaultKind::Cut => window.from <= since,
                 LinkFaultKind::Refuse
@@ -150,10 +151,10 @@ impl LinkFaults {
     }
 }
 
-/// Bytes that arrive together. Given back by [`FaultyLink::recycle`], their buffer is used again.
+/// Bytes that arrive together. [`FaultyLink::recycle`] takes a chunk back, to use its buffer again.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Chunk {
-    /// One byte at least.
+    /// At least one byte.
     pub bytes: Vec<u8>,
 }
 
@@ -164,38 +165,38 @@ impl Deref for Chunk {
     }
 }
 
-/// One direction of one client's link, with the faults of the plan: bytes in when they are written, bytes out when
+/// One direction of one client's link, with the faults of the plan: bytes go in when they are written and come out when
 /// they arrive.
 ///
-/// After each [`FaultyLink::push`] and at each [`FaultyLink::poll_timeout`] the driver asks [`FaultyLink::is_cut`],
-/// and where it is not, takes from [`FaultyLink::poll`] until there is no more. Time never goes back. Where no fault
-/// acts, [`FaultyLink::pass`] hands bytes on as they are.
+/// After each [`FaultyLink::push`] and at each [`FaultyLink::poll_timeout`], the driver calls [`FaultyLink::is_cut`].
+/// If the link is not cut, it calls [`FaultyLink::poll`] until that returns `None`. Time never goes back. While no
+/// fault acts, [`FaultyLink::pass`] returns bytes unchanged.
 ///
-/// In this order a write meets: silent loss, sentences lost or twice, corrupt bytes, delay, joining, splitting,
-/// stall, deafness. Bytes never overtake others.
+/// The faults act on a write in this order: silent loss, sentences lost or duplicated, corrupt bytes, delay, joining,
+/// splitting, stall, deafness. Bytes never overtake each other.
 #[derive(Clone, Debug)]
 pub struct FaultyLink {
     client: ClientId,
     role: Option<Box<str>>,
     direction: Direction,
-    /// What acts or will, by its begin.
+    /// The faults that act or will act, in the order of their begins.
     acts: Vec<(Window, LinkFaultKind)>,
-    /// No fault acts before.
+    /// Before this time no fault acts.
     quiet_until: Timestamp,
     cut_at: Timestamp,
     stream: Option<Stream>,
     seed: u64,
     name: String,
-    /// What is under way, and in which pieces it arrives.
+    /// The bytes under way, and the pieces in which they arrive.
     bytes: VecDeque<u8>,
     pieces: VecDeque<Piece>,
-    /// When the last of it arrives, and when it is read.
+    /// When the last piece arrives, and when it is read.
     last: Timestamp,
     last_read: Timestamp,
-    /// The begin of a sentence whose end has not been written, while sentences are lost or come twice.
+    /// The begin of a sentence whose end has not been written yet, while a fault loses or duplicates sentences.
     sentence: Vec<u8>,
     sentence_until: Timestamp,
-    /// Since when every write has been lost, and until when every other will be.
+    /// The time in which all writes are lost: since the first lost write, until the faults that are known now end.
     lost: Option<Window>,
     scratch: Vec<u8>,
     spare: Vec<Vec<u8>>,
@@ -204,19 +205,19 @@ pub struct FaultyLink {
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     written: Timestamp,
-    /// When it is at the other computer, and acknowledged.
+    /// When it reaches the other computer, which acknowledges it.
     arrives: Timestamp,
-    /// When it is read there: later only where the vehicle is deaf.
+    /// When it is read there: later than `arrives` only if the vehicle is deaf.
     at: Timestamp,
     len: usize,
-    /// More may be added to it: it was held back.
+    /// More bytes may be added to it, because it was held back.
     gathers: bool,
 }
 
 impl FaultyLink {
-    /// One more fault, as if the plan had had it from the beginning, where it is of this connection and this
-    /// direction. It begins at its own time, which is not before anything that the link has been told of; what begins
-    /// with it is due at once, so that the driver asks [`FaultyLink::is_cut`] and [`FaultyLink::poll_timeout`] anew.
+    /// Adds a fault if it applies to this connection and this direction, as if the plan had always had it. The fault
+    /// may not begin before the last time that this link has received. Its effect can be due at once, so the driver
+    /// must call [`FaultyLink::is_cut`] and [`FaultyLink::poll_timeout`] again.
     pub fn inject(&mut self, fault: &Fault) {
         if let FaultKind::Link(link) = &fault.kind {
             self.meet(Window::of(fault), link);
@@ -257,8 +258,8 @@ impl FaultyLink {
         }
     }
 
-    /// Bytes are written now. Where no fault acts and nothing is under way, they are given back to be handed on at
-    /// once; else they are taken, as by [`FaultyLink::push`].
+    /// Bytes are written now. If no fault acts and nothing is under way, returns the bytes, which the driver then
+    /// passes on at once. Otherwise takes them as [`FaultyLink::push`] does.
     #[must_use]
     pub fn pass<'a>(&mut self, now: Timestamp, bytes: &'a [u8]) -> Option<&'a [u8]> {
         if now < self.quiet_until && now < self.cut_at && self.pieces.is_empty() && self.sentence.is_empty() {
@@ -268,7 +269,7 @@ impl FaultyLink {
         None
     }
 
-    /// Bytes are written now. On a link that is cut they are lost.
+    /// Bytes are written now. If the link is cut, they are lost.
     pub fn push(&mut self, now: Timestamp, bytes: &[u8]) {
         if self.is_cut(now) {
             return;
@@ -314,7 +315,8 @@ impl FaultyLink {
         Some(Chunk { bytes })
     }
 
-    /// When [`FaultyLink::poll`] has more, or the link is cut; none where nothing is under way and no cut to come.
+    /// When [`FaultyLink::poll`] returns more bytes or the link is cut; `None` if nothing is under way and no cut will
+    /// come.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
         let arrives = self.pieces.front().map(|piece| piece.at);
@@ -323,12 +325,12 @@ impl FaultyLink {
         [arrives, sentence, cut].into_iter().flatten().min()
     }
 
-    /// When a write will not have been acknowledged for `within`, as things stand: because it is under way for so long,
-    /// or because it is lost and all that is sent again meanwhile is lost too. A driver that gives up such a connection,
-    /// as a real one does with TCP's user time-out (RFC 5482), resets it then.
+    /// When a write will have been without an acknowledgement for `within`, as far as is known now: because it is under
+    /// way for that long, or because it is lost and so is everything that is sent again meanwhile. A driver that gives
+    /// up such a connection, as TCP does with its user timeout (RFC 5482), resets it then.
     #[must_use]
     pub fn gives_up(&self, within: Duration) -> Option<Timestamp> {
-        // What a deaf vehicle's computer has taken is acknowledged.
+        // The computer of a deaf vehicle acknowledges what it has received.
         let taken = |piece: &Piece| piece.arrives < piece.at && piece.arrives < piece.written + within;
         let under_way = self.pieces.iter().find(|piece| !taken(piece));
         let under_way = under_way.map(|piece| piece.written + within);
@@ -337,13 +339,13 @@ impl FaultyLink {
         under_way.into_iter().chain(lost).min()
     }
 
-    /// Whether the connection is gone: the driver resets it, and tells the vehicle. It stays gone.
+    /// Whether the connection is cut. The driver resets it and tells the vehicle. It stays cut.
     #[must_use]
     pub fn is_cut(&self, now: Timestamp) -> bool {
         now >= self.cut_at
     }
 
-    /// Gives a chunk's buffer back.
+    /// Takes a chunk's buffer back, to use it again.
     pub fn recycle(&mut self, chunk: Chunk) {
         if self.spare.len() < SPARES_MAX {
             self.spare.push(chunk.bytes);
@@ -355,7 +357,8 @@ impl FaultyLink {
         begun.filter(move |(window, _)| window.holds(at)).copied()
     }
 
-    /// From when on nothing of a kind acts that acts at `at` or joins on to it.
+    /// The time from which no fault of a kind acts: the end of those that act at `at`, and of those that begin before
+    /// these end.
     fn after(&self, mut at: Timestamp, kind: impl Fn(&LinkFaultKind) -> bool) -> Timestamp {
         while let Some(until) = self
             .acting(at)
@@ -368,8 +371,8 @@ impl FaultyLink {
         at
     }
 
-    /// Nothing arrives during a stall, and what it holds back comes as one; nothing is read while the vehicle is deaf: for
-    /// what was under way when it came.
+    /// Recomputes when the pieces under way arrive and are read, after a stall or deafness was added: nothing arrives
+    /// during a stall, what it holds back arrives together, and a deaf vehicle reads nothing.
     fn hold_back(&mut self) {
         let pieces = core::mem::take(&mut self.pieces);
         (self.last, self.last_read) = (Timestamp::ZERO, Timestamp::ZERO);
@@ -378,7 +381,7 @@ impl FaultyLink {
         }
     }
 
-    /// Forgets the faults that are over. What is written now is not touched by them, wherever it goes.
+    /// Forgets the faults that are over. They cannot touch what is written from now on.
     fn forget(&mut self, now: Timestamp) {
         if now < self.quiet_until {
             return;
@@ -392,7 +395,7 @@ impl FaultyLink {
         self.stream.get_or_insert_with(|| Stream::new(seed, name)).uniform()
     }
 
-    /// Half a sentence goes on as it is when nothing waits for its end any more.
+    /// Sends an incomplete sentence unchanged when no fault waits for its end any more.
     fn end_sentence(&mut self, now: Timestamp) {
         if !self.sentence.is_empty() && now >= self.sentence_until {
             let sentence = core::mem::take(&mut self.sentence);
@@ -450,7 +453,7 @@ impl FaultyLink {
         scratch.clear();
         for byte in bytes {
             let flips = self.uniform() >= intact;
-            // Eight bits, each as likely.
+            // Each of the eight bits is equally likely.
             let bit = if flips {
                 1 << ((self.uniform() * 8.0) as u32).min(7)
             } else {
@@ -462,7 +465,7 @@ impl FaultyLink {
         self.scratch = scratch;
     }
 
-    /// Puts bytes under way.
+    /// Applies delay, joining and splitting, and puts the bytes under way.
     fn send(&mut self, now: Timestamp, bytes: &[u8]) {
         let (mut at, mut jitters, mut hold, mut split) = (now, Duration::ZERO, Duration::ZERO, None);
         for (window, kind) in self.acting(now) {
@@ -519,7 +522,7 @@ impl FaultyLink {
             return;
         }
         if self.bytes.len() + bytes.len() > QUEUE_MAX || self.pieces.len() >= PIECES_MAX {
-            // Long past: the driver finds it at once.
+            // A time in the past: the link is cut at once.
             self.cut_at = Timestamp::ZERO;
             self.bytes = VecDeque::new();
             self.pieces = VecDeque::new();
@@ -535,14 +538,15 @@ impl FaultyLink {
         });
     }
 
-    /// A piece arrives no sooner than the last one, and not during a stall; it is read then, but not by a deaf vehicle.
+    /// Computes when a piece arrives and is read, and appends it. It arrives not before the last piece and not during a
+    /// stall; a deaf vehicle reads it later.
     fn line_up(&mut self, piece: Piece) {
         let wanted = piece.arrives.max(self.last);
         let arrives = self.after(wanted, |kind| matches!(kind, LinkFaultKind::Stall));
         let at = self.after(arrives, |kind| matches!(kind, LinkFaultKind::Deaf));
         let at = at.max(self.last_read);
         (self.last, self.last_read) = (arrives, at);
-        // What a stall has held back comes as one.
+        // What a stall has held back arrives together.
         let gathers = piece.gathers || arrives > wanted;
         match self.pieces.back_mut() {
             Some(last)

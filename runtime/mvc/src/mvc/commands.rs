@@ -7,7 +7,7 @@ use crate::event::{ClientId, MvcEventKind};
 use crate::server::answers::Regarding;
 
 impl Mvc {
-    /// Takes a command to the part of the vehicle that it is for.
+    /// Passes a command to the part of the vehicle that carries it out.
     pub(super) fn command(&mut self, now: Timestamp, client: ClientId, command: ToVehicle) {
         let re = Regarding::command(client, &command);
         if !matches!(command, ToVehicle::Unknown(_))
@@ -84,7 +84,7 @@ impl Mvc {
     }
 }
 
-/// The insert that a command is about, as its acknowledgement names it.
+/// The insert that a command concerns. The command's acknowledgement names it.
 fn insert_of(command: &ToVehicle) -> Option<BehaviorId> {
     if let ToVehicle::Trackline(request) = command {
         Some(request.identifier)

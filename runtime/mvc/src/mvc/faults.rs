@@ -5,17 +5,17 @@ use crate::event::MvcEventKind;
 use crate::faults::timeline::{Effect, Timeline};
 use crate::faults::{Fault, FaultEdge, FaultPlan, SensorFailure};
 
-/// What goes wrong: each effect of a fault to the part of the vehicle that it is of.
+/// Applies each effect of a fault to the part of the vehicle that it concerns.
 impl Mvc {
-    /// Breaks navigation or a sensor, or mends it.
+    /// Breaks navigation or a sensor, or repairs it.
     pub fn fail_sensor(&mut self, failure: SensorFailure) {
         self.sensors.fail(failure);
     }
 
-    /// Replaces what goes wrong in this run: what acts ends, and what ought to act by the new plan begins at once. A
-    /// fault that is over by then is left out.
+    /// Replaces the fault plan of this run. All faults that act now end. Faults of the new plan that should already act
+    /// begin at once; faults that should already be over are left out.
     ///
-    /// The driver of the link plays its faults by [`crate::LinkFaults`], made from the same plan.
+    /// The driver of the link must play the faults of the link with [`crate::LinkFaults`] from the same plan.
     pub fn set_faults(&mut self, plan: FaultPlan) {
         let now = self.last_tick;
         for index in self.faults.acting() {
@@ -24,12 +24,12 @@ impl Mvc {
         self.faults = Timeline::of(plan, now);
     }
 
-    /// Something goes wrong from now on, whatever `fault.at` says, for as long as the fault lasts. It is counted after
-    /// those that the run has had, and does what it would have done as a part of the plan, but that all that was due by
-    /// now has happened before it.
+    /// Begins a fault now, whatever `fault.at` says. The fault lasts as long as it says. Its number follows those of
+    /// the plan and of the faults injected before. It acts as it would as part of the plan, but after everything that
+    /// is due by `now`.
     ///
-    /// Of a fault of the link only begin and end are told here: its driver plays it by [`crate::LinkFaults::inject`] and
-    /// [`crate::FaultyLink::inject`].
+    /// For a fault of the link this only logs the begin and the end. The link's driver plays it with
+    /// [`crate::LinkFaults::inject`] and [`crate::FaultyLink::inject`].
     pub fn inject(&mut self, now: Timestamp, fault: Fault) {
         self.handle_timeout(now);
         let instant = fault.lasts.is_zero();
@@ -41,7 +41,8 @@ impl Mvc {
         self.settle(now);
     }
 
-    /// Every fault that is due at `at`, and every acknowledgement that one has held back until then.
+    /// Carries out every begin and end of a fault that is due at `at`, and sends the acknowledgements that a fault has
+    /// delayed until then.
     pub(super) fn step_faults(&mut self, at: Timestamp) {
         while let Some((index, edge)) = self.faults.next_due(at) {
             self.fault(at, index, edge);

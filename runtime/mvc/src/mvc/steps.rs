@@ -10,7 +10,8 @@ use crate::server::requests::Work;
 use crate::services::Services;
 use crate::vehicle::Drive;
 
-/// The parts of the vehicle that take what comes, each to be called by itself with the same context.
+/// The parts of the vehicle and the context that each of them receives. The borrows are separate, so that each part can
+/// be called with the same context.
 pub(super) struct Parts<'a> {
     pub(super) ctx: Context<'a>,
     pub(super) mission: &'a mut Mission,
@@ -18,9 +19,10 @@ pub(super) struct Parts<'a> {
     pub(super) services: &'a mut Services,
 }
 
-/// A step of the vehicle, which takes every part along in the same order.
+/// A step of the vehicle. It calls every part, always in the same order.
 impl Mvc {
-    /// What every part is shown now. It is asked for anew wherever a part has changed what the next one is shown.
+    /// The parts, and the context as it is now. A caller needs a new one after a part has changed what the context has
+    /// for the next part.
     pub(super) fn parts(&mut self, now: Timestamp) -> Parts<'_> {
         Parts {
             ctx: Context {
@@ -75,7 +77,7 @@ impl Mvc {
         self.settle(now);
     }
 
-    /// What the vehicle is to do now, and what comes of it in the sea.
+    /// Decides what the vehicle does now, and moves it.
     fn move_on(&mut self, now: Timestamp) {
         let Parts {
             ctx, mission, services, ..
@@ -94,13 +96,13 @@ impl Mvc {
                 self.server.note(now, MvcEventKind::Grounded);
             }
         }
-        // The angles change by a hundred-thousandth of a degree a metre.
+        // The angles change by a hundred-thousandth of a degree for each metre.
         if self.ticks.is_multiple_of(10) {
             self.north = North::at(motion.at, self.world.frame());
         }
     }
 
-    /// Tells the outcome of every pending request that is due.
+    /// Decides every pending request that is due, and tells the client the outcome.
     fn decide_due(&mut self, now: Timestamp) {
         while let Some((re, work)) = self.server.next_due(now) {
             self.decide(now, re, work);
@@ -121,7 +123,7 @@ impl Mvc {
         }
     }
 
-    /// Tells the clients and the log what has happened, and the services who has been cut off.
+    /// Tells the clients and the log what has happened, and tells the services which clients the server has cut off.
     pub(super) fn settle(&mut self, now: Timestamp) {
         let Parts { mut ctx, mission, .. } = self.parts(now);
         mission.settle(&mut ctx);

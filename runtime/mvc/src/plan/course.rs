@@ -8,10 +8,10 @@ use crate::event::EndReason;
 use crate::plan::{GpsTimes, Shape};
 use crate::vehicle::performance::Performance;
 
-/// One behavior being flown: which part of its shape comes now, how far it has got, and where to steer.
+/// A behavior that is being flown: the part of its shape that is flown now, the progress along it, and where to steer.
 ///
-/// Its end condition looks at progress alone (past the end along the line, the angle swept, the time), so that a
-/// behavior also ends where a payload's modify has led the vehicle off its line.
+/// Its end depends only on progress (past the end along the line, the angle swept, the time), so a behavior also ends
+/// when a modify has led the vehicle off its line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Course {
     shape: Shape,
@@ -20,9 +20,9 @@ pub(crate) struct Course {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Part {
-    /// To where the shape begins, or a waypoint's whole.
+    /// To where the shape begins; for a waypoint, the whole behavior.
     Transit(Line),
-    /// A trackline itself.
+    /// Along a trackline with its lead-in and lead-out.
     Along(Line),
     Around {
         last_bearing_deg: f64,
@@ -36,7 +36,7 @@ enum Part {
         since: Timestamp,
         /// Heading of the climb, degrees from the frame's north.
         heading_deg: f64,
-        /// Since when the antenna is out of the water.
+        /// Since when the antenna is out of the water; `None` while it is under water.
         up_since: Option<Timestamp>,
     },
     Idle,
@@ -51,22 +51,22 @@ struct Line {
     length_m: f64,
 }
 
-/// Where a course wants the vehicle to go now.
+/// Where the vehicle must go now to follow a course.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Steer {
     pub(crate) way: Way,
     /// Distance from the shape's own line, metres.
     pub(crate) off_line_m: f64,
-    /// The course is at its end, and why.
+    /// Why the course ends now; `None` while it goes on.
     pub(crate) end: Option<EndReason>,
 }
 
-/// How the vehicle is to go.
+/// How the vehicle must move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Way {
     /// A course over ground, degrees from the frame's north.
     Course(f64),
-    /// A heading that the current may set off, degrees from true north.
+    /// A heading, which the current may turn into another course, degrees from true north.
     Heading(f64),
     /// To the surface on a heading, degrees from the frame's north.
     Climb(f64),
@@ -107,7 +107,7 @@ impl Line {
         }
     }
 
-    /// Metres along the line, and to the right of it.
+    /// The distance along the line and the distance to the right of it, metres.
     fn progress(&self, at: EastNorth) -> (f64, f64) {
         let from = at - self.from;
         (
@@ -130,7 +130,7 @@ impl Line {
     }
 }
 
-/// How near a waypoint, or the begin of a line or circle, counts as there, metres.
+/// Within this distance of a waypoint, or of the begin of a line or circle, the vehicle has reached it, metres.
 const CAPTURE_M: f64 = 3.0;
 /// Above this depth the antenna is out of the water, metres.
 pub(crate) const SURFACED_M: f64 = 0.3;
@@ -161,7 +161,7 @@ impl Course {
         &self.shape
     }
 
-    /// Goes on after a pause, which the times of a setpoint and of a GPS hit do not count.
+    /// Goes on after a pause. The pause does not count for the times of a setpoint and of a GPS hit.
     pub(crate) fn resume(&mut self, paused: Duration) {
         match &mut self.part {
             Part::Stay { until } => *until = *until + paused,
@@ -173,7 +173,7 @@ impl Course {
         }
     }
 
-    /// On a trackline itself, its lead-in and lead-out included.
+    /// Whether the vehicle is on a trackline, including its lead-in and lead-out.
     pub(crate) const fn is_on_line(&self) -> bool {
         matches!(self.part, Part::Along(_))
     }
@@ -259,8 +259,8 @@ impl Course {
     }
 }
 
-/// At the place of a GPS hit: up in a straight line, then adrift until the fix. Where the payload brings the vehicle up
-/// (SPI 7.7: manual) it goes to and fro over the place until then.
+/// At the place of a GPS hit: the vehicle climbs in a straight line, then drifts until the fix. If the payload brings
+/// it up (manual mode, SPI 7.7), it goes to and fro over the place until then.
 fn surface(
     shape: &Shape,
     estimate: &Estimate,
@@ -318,15 +318,15 @@ fn around(
         return Steer::on(Way::Course(bearing_deg)).ending(EndReason::Done, true);
     };
     let out_m = centre.distance_m(at) - radius_m;
-    // The turn lags behind what is asked for: ask for where the tangent will be.
+    // The turn lags behind the demand: ask for the direction that the tangent will have by then.
     let lead_deg = (speed_mps / radius_m * (performance.yaw_tau_s + 1.0 / performance.yaw_gain_per_s))
         .to_degrees()
         .min(60.0);
     let inward_deg = 90.0 + atan(out_m / lookahead_m).to_degrees() + lead_deg;
     let side = orbits.signum();
     let wanted_deg = orbits.abs() * 360.0;
-    // Round a circle that is as narrow as its own turn a vehicle may go the wrong way, and for ever: it is done at the same
-    // place a lap or two later.
+    // On a circle as narrow as its own turning circle, a vehicle can go around in the wrong direction for ever. The
+    // circle then ends after one to two laps in that direction, at the same place.
     let wrong_deg = (orbits.abs() + 1.0).ceil() * 360.0 - wanted_deg;
     let done = swept_deg * side >= wanted_deg || -swept_deg * side >= wrong_deg;
     Steer {
@@ -336,7 +336,7 @@ fn around(
     }
 }
 
-/// The heading that makes good a course over ground in a current, degrees from the frame's north.
+/// The heading with which the vehicle keeps a course over ground in a current, degrees from the frame's north.
 pub(crate) fn crabbed_deg(bearing_deg: f64, speed_mps: f64, current: (f64, f64)) -> f64 {
     if current == (0.0, 0.0) || speed_mps < 0.1 {
         return bearing_deg;

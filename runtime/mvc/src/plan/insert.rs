@@ -14,17 +14,17 @@ use crate::vehicle::performance::Performance;
 pub(crate) struct Insert {
     pub(crate) client: ClientId,
     pub(crate) id: BehaviorId,
-    /// As asked for, without lead-in and lead-out.
+    /// The shape that was asked for, without lead-in and lead-out.
     pub(crate) shape: Shape,
     pub(crate) vertical: Vertical,
     pub(crate) speed_mps: f64,
     pub(crate) interrupt: bool,
-    /// A GPS hit with a spiral to the surface, which is "future implementation" (SPI 7.7).
+    /// Whether it is a GPS hit with a spiral to the surface, which is "future implementation" (SPI 7.7).
     pub(crate) spiral: bool,
 }
 
 impl Insert {
-    /// From BPRTK. An error is the text that says which field has a value without a meaning.
+    /// From BPRTK. An error is a text that names the field whose value has no meaning.
     pub(crate) fn trackline(
         client: ClientId,
         request: &Trackline,
@@ -72,7 +72,7 @@ impl Insert {
         })
     }
 
-    /// From BPRGP, which says neither depth nor speed of the way to the place: those of the plan are kept.
+    /// From BPRGP, which gives neither depth nor speed for the way to the place: the insert keeps those of the plan.
     pub(crate) fn gps_hit(
         client: ClientId,
         request: &GpsHit,
@@ -105,7 +105,7 @@ impl Insert {
         matches!(self.shape, Shape::GpsHit { .. })
     }
 
-    /// Whether this vehicle can fly it at all.
+    /// Refuses an insert that this vehicle can never fly.
     pub(crate) fn within(&self, performance: &Performance, altitude_min_m: f64) -> Result<(), Refusal> {
         if self.spiral {
             return Err(Refusal::Spiral);
@@ -122,7 +122,7 @@ impl Insert {
             | Vertical::Elevator(value)) = self.vertical;
             return Err(Refusal::Vertical(value));
         }
-        // Standing still is no way to fly a line, even for a vehicle that can.
+        // An insert needs a speed above 0, even for a vehicle that can stand still.
         if !(performance.speed_min_mps.max(0.05)..=performance.speed_max_mps).contains(&self.speed_mps) {
             return Err(Refusal::Speed(self.speed_mps));
         }
@@ -167,7 +167,7 @@ fn speed_mps(mode: SpeedMode, speed: f64, performance: &Performance) -> Result<f
     }
 }
 
-/// Where a circle is entered, degrees, and when it begins: as a vehicle reads that knows this layout of BPRTC alone.
+/// The entry angle of a circle, degrees, and its interrupt code, as a vehicle with this layout of BPRTC reads them.
 fn entry_of(request: &Trackcircle, layout: CircleLayout) -> (Option<f64>, Interrupt) {
     match (layout, request.entry_angle_deg) {
         (CircleLayout::Either | CircleLayout::Table, CircleEntry::Angle(degrees)) => (Some(degrees), request.interrupt),

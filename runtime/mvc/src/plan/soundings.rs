@@ -5,16 +5,17 @@ use crate::error::MvcError;
 use crate::plan::{PlanItem, Shape};
 use crate::vehicle::Vertical;
 
-/// How much more water than its least altitude a vehicle needs, metres: to be in it at all.
+/// How much more water than its least altitude a vehicle needs, metres, to be under water at all.
 const ROOM_M: f64 = 0.5;
-/// How far apart the water is looked at, metres: a drawn seabed changes over 20 m at the least.
+/// The distance from one checked place to the next, metres. A drawn seabed changes over 20 m or more.
 const EVERY_M: f64 = 10.0;
 /// The same over a grid, whose cells are often small.
 const EVERY_CHARTED_M: f64 = 2.0;
-/// A plan is looked at in so many places at most, further apart where it is longer.
+/// The most places that are checked; on a longer plan they are further apart.
 const PLACES_MAX: f64 = 1e6;
 
-/// Looks for a place on the plan's way where there is not enough water. See [`crate::Mvc::with_grid`] for the rules.
+/// Refuses a plan that leads through water that is too shallow, or off the grid. [`crate::Mvc::with_grid`] documents
+/// the rules.
 pub(crate) fn check(
     plan: &[PlanItem],
     start: EastNorth,
@@ -52,7 +53,7 @@ pub(crate) fn check(
     })
 }
 
-/// The vehicle starts in the water and over what is known of the seabed.
+/// Refuses a start below the seabed, or off the grid.
 pub(crate) fn check_start(start: EastNorth, depth_m: f64, world: &World) -> Result<(), MvcError> {
     if !world.seabed().is_known_at(start) {
         return Err(MvcError::Value {
@@ -95,7 +96,7 @@ fn too_shallow(world: &World, at: EastNorth, needed_m: f64, planned: bool) -> St
         if planned {
             "the element's depth"
         } else {
-            "vehicle.altitude_min_m and 0.5 m"
+            "vehicle.altitude_min_m plus 0.5 m"
         }
     )
 }
@@ -114,7 +115,7 @@ impl Path {
         }
     }
 
-    /// Both ends of it, and places between them no further apart than asked for.
+    /// Both ends, and places between them that are at most `every_m` apart.
     fn places(self, every_m: f64) -> impl Iterator<Item = EastNorth> {
         let parts = (self.length_m() / every_m).ceil().max(1.0) as u32;
         (0..=parts).map(move |part| {
@@ -127,13 +128,14 @@ impl Path {
     }
 }
 
-/// Shows the ways that the plan's items are flown on, in order. A circle is all of its rim, however much of it is flown.
+/// Calls `show` with each path of the plan, in the order of flight. A circle counts as its whole circumference, however
+/// much of it is flown.
 fn along(
     plan: &[PlanItem],
     start: EastNorth,
     show: &mut dyn FnMut(&PlanItem, Path) -> Result<(), MvcError>,
 ) -> Result<(), MvcError> {
-    // Where the item before ends; none after a setpoint.
+    // Where the item before ends; `None` after a setpoint.
     let mut at = Some(start);
     for item in plan {
         let (entry, path, end) = match item.shape.with_leads(item.lead_m) {

@@ -6,18 +6,18 @@ use crate::context::Context;
 use crate::event::MvcEventKind;
 use crate::server::answers::Regarding;
 
-/// The error of a fix is at most this, metres: a larger one says nothing.
+/// The greatest error of a fix, metres. A fix with a greater error is useless.
 const FIX_ERROR_MAX_M: f64 = 100_000.0;
-/// What a CTD in the sea can measure: microsiemens a centimetre, degrees Celsius, kilopascals.
+/// The ranges that a CTD can measure in the sea: microsiemens a centimetre, degrees Celsius, kilopascals.
 const CONDUCTIVITY_US_PER_CM: core::ops::RangeInclusive<f64> = 0.0..=100_000.0;
 const TEMPERATURE_C: core::ops::RangeInclusive<f64> = -5.0..=50.0;
 const PRESSURE_KPA: core::ops::RangeInclusive<f64> = 0.0..=150_000.0;
 
-/// What a payload measures for the vehicle: fixes and CTD data (SPI 7.15, 7.21).
+/// Measurements that a payload makes for the vehicle: fixes and CTD data (SPI 7.15, 7.21).
 impl Sensors {
-    /// BPNPU: moves the navigation towards the fix, as far as its accuracy and its age let it.
+    /// BPNPU: moves the navigation towards the fix, by as much as the accuracy and the age of the fix allow.
     ///
-    /// Its depth is not used: the vehicle's own is better.
+    /// The depth of the fix is not used, because the vehicle's own is better.
     pub(crate) fn position_fix(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &PositionFix) {
         let error_m = request.error_m;
         if !(0.0..=FIX_ERROR_MAX_M).contains(&error_m) {
@@ -29,7 +29,7 @@ impl Sensors {
             let text = "the fix is over 50 km from the origin";
             return refuse_fix(ctx, re, text);
         }
-        // By the payload's own clock, which need not agree with the vehicle's.
+        // Both times are from the payload's clock, which may differ from the vehicle's.
         let age_s = age_s(request.created, request.measured);
         match self.fix(ctx.now, place, error_m, age_s, request.force) {
             FixOutcome::Moved(moved_m) => {
@@ -45,7 +45,7 @@ impl Sensors {
         }
     }
 
-    /// BPCTD: logged, and used for the speed of sound.
+    /// BPCTD: the data is logged, and used for the speed of sound.
     pub(crate) fn payload_ctd(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &PayloadCtd) {
         for (what, value, range, expected) in [
             (
@@ -77,8 +77,8 @@ fn refuse_fix(ctx: &mut Context<'_>, re: Regarding, text: &str) {
     ctx.acknowledge(re, AckStatus::Failed, text);
 }
 
-/// From a measurement to the message that carries it, seconds; over midnight too. A measurement after its message has no
-/// age.
+/// Time from a measurement to the message that carries it, seconds, also across midnight. It is zero if the measurement
+/// is later than its message.
 fn age_s(created: TimeOfDay, measured: TimeOfDay) -> f64 {
     const DAY_S: f64 = 86_400.0;
     let age_s = created.nanos_since(measured) as f64 / 1e9;

@@ -2,8 +2,8 @@ use backseat_units::math::sin_cos;
 
 use crate::vehicle::Vehicle;
 
-/// The vehicle's own axes, forward, to starboard and down, each in the frame's north, east and down (Fossen, *Handbook
-/// of Marine Craft Hydrodynamics and Rates Control*, 2011, equation 2.18).
+/// The vehicle's axes (forward, starboard, down), each as a vector of the frame's north, east and down (Fossen,
+/// *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2011, equation 2.18).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Attitude {
     axes: [[f64; 3]; 3],
@@ -31,12 +31,12 @@ impl Attitude {
         }
     }
 
-    /// What is given in north, east and down, along the vehicle's own axes.
+    /// Converts a vector of north, east and down to the vehicle's axes.
     pub(super) fn to_body(self, north_east_down: [f64; 3]) -> [f64; 3] {
         self.axes.map(|axis| dot(axis, north_east_down))
     }
 
-    /// What is given along the vehicle's own axes, in north, east and down.
+    /// Converts a vector along the vehicle's axes to north, east and down.
     pub(super) fn to_frame(self, body: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = self.axes;
         [0, 1, 2].map(|axis: usize| body[0] * x[axis] + body[1] * y[axis] + body[2] * z[axis])

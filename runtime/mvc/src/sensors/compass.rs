@@ -11,7 +11,7 @@ use crate::vehicle::Vehicle;
 pub(super) struct Compasses {
     config: CompassConfig,
     noise: Noise,
-    /// Archibald Smith's coefficients A to E of each, degrees.
+    /// Archibald Smith's coefficients A to E of each compass, degrees.
     deviations: [[f64; 5]; COMPASSES_MAX],
 }
 
@@ -40,7 +40,7 @@ impl Compasses {
         self.config.count
     }
 
-    /// BFRCM of one compass, counted from 1 (SPI 6.5), its reading of this number.
+    /// BFRCM (SPI 6.5) of one compass, with the reading of this number. Compasses count from 1.
     pub(super) fn message(
         &self,
         compass: u32,
@@ -75,10 +75,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_deviation_is_of_the_five_coefficients() {
-        // On a cardinal heading of 90 degrees: A + B - E.
+    fn the_deviation_follows_the_five_coefficients() {
+        // At 90 degrees, the deviation is A + B - E.
         assert!((deviation_deg([0.1, 2.0, 7.0, 9.0, 0.5], 90.0) - 1.6).abs() < 1e-12);
-        // At 45 degrees D is whole and E is nothing.
+        // At 45 degrees, D counts in full and E not at all.
         assert!((deviation_deg([0.0, 0.0, 0.0, 3.0, 5.0], 45.0) - 3.0).abs() < 1e-12);
     }
 }

@@ -10,43 +10,43 @@ use super::noise::{Draws, Noise};
 use crate::file::SensorConfig;
 use crate::vehicle::Vehicle;
 
-/// Bottom lock needs this many of the four beams: three are three components of a velocity.
+/// Bottom lock needs this many of the four beams, because a velocity has three components.
 const BEAMS_FOR_LOCK: usize = 3;
-/// Where the beams point: forward to starboard, and on clockwise, degrees from ahead.
+/// Directions of the beams, degrees clockwise from ahead.
 const AZIMUTHS_DEG: [f64; 4] = [45.0, 135.0, 225.0, 315.0];
 
-/// A log that looks straight down: degrees above the horizontal.
+/// The angle of a DVL that looks straight down, degrees above the horizontal.
 const DOWN_DEG: f64 = -90.0;
 
-/// The Doppler log: four beams, bottom lock, and the constant errors of its velocity.
+/// The DVL (Doppler velocity log): four beams, bottom lock, and the constant errors of its velocity.
 ///
-/// A hovering vehicle's is turned by a servo: it measures against the ship's plating as against the seabed, whichever its
-/// beams come to first.
+/// A servo turns the DVL of a hovering vehicle. It measures against a ship's plating or the seabed, whichever a beam
+/// meets first.
 #[derive(Clone, Debug)]
 pub(super) struct Dvl {
     config: SensorConfig,
     noise: Noise,
-    /// Unit vectors along the beams, in the log's axes and in the vehicle's.
+    /// Unit vectors along the beams, in the DVL's axes; `beams` has them in the vehicle's axes.
     own_beams: [[f64; 3]; 4],
     beams: [[f64; 3]; 4],
-    /// Where it looks, degrees above the horizontal.
+    /// Its angle, degrees above the horizontal.
     look_deg: f64,
-    /// The altitude does not come from its ranges: a log that is turned away needs an altimeter beside it.
+    /// Whether a separate altimeter measures the altitude. A vehicle that turns its DVL away from the bottom needs one.
     altimeter: bool,
     range_max_m: f64,
     dropout_chance: f64,
     no_lock_until: Timestamp,
     scale: f64,
     misalignment: (f64, f64),
-    /// It is broken.
+    /// Whether it has failed.
     pub(super) dead: bool,
-    /// Enough beams come back from what is at rest.
+    /// Whether enough beams return from the seabed or the ship.
     pub(super) lock: bool,
-    /// There is an altitude.
+    /// Whether there is an altitude.
     pub(super) sounds: bool,
 }
 
-/// One reading, of which BFDVL and BFDV2 give each a part.
+/// One reading. BFDVL and BFDV2 each report a part of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DvlReading {
     velocity_mps: Option<[f64; 3]>,
@@ -86,7 +86,7 @@ impl Dvl {
         }
     }
 
-    /// Turns it to look so many degrees above the horizontal.
+    /// Turns it to this angle, degrees above the horizontal.
     pub(super) fn turn_to(&mut self, look_deg: f64) {
         if look_deg.to_bits() == self.look_deg.to_bits() {
             return;
@@ -98,7 +98,7 @@ impl Dvl {
             .map(|[x, y, z]| [x * cos + z * sin, y, z * cos - x * sin]);
     }
 
-    /// One step of the vehicle: whether there is bottom lock.
+    /// One step of the vehicle: finds out whether there is bottom lock.
     pub(super) fn step(&mut self, vehicle: &Vehicle, now: Timestamp, draws: &mut Draws) {
         if draws.uniform() < self.dropout_chance {
             let seconds = self.config.altitude_dropout_s * (0.5 + draws.uniform());
@@ -126,7 +126,7 @@ impl Dvl {
             if !self.altitude_in_reach(vehicle) {
                 return false;
             }
-            // Well within its reach every beam comes back, on any slope that is one.
+            // Well within its range, every beam returns, on any realistic slope.
             if 3.0 * (vehicle.motion().water_depth_m - vehicle.motion().depth_m) < self.config.altitude_range_m {
                 return true;
             }
@@ -139,8 +139,8 @@ impl Dvl {
             >= BEAMS_FOR_LOCK
     }
 
-    /// How far a beam's echo comes from, on the plane of the seabed below the vehicle or on a ship before it; none where it
-    /// does not come.
+    /// The range at which a beam meets the plane of the seabed below the vehicle, or a ship before that; `None` if it
+    /// does not return.
     fn range_m(&self, vehicle: &Vehicle, attitude: Attitude, beam: [f64; 3]) -> Option<f64> {
         let [north, east, down] = attitude.to_frame(beam);
         let closing = down - vehicle.motion().gradient.north_m * north - vehicle.motion().gradient.east_m * east;
@@ -157,14 +157,15 @@ impl Dvl {
             .filter(|metres| (self.config.altitude_blanking_m..=self.range_max_m).contains(metres))
     }
 
-    /// A velocity over ground, or through the water, as the log measures it: scaled and turned. East and north.
+    /// A velocity over ground or through the water (east, north) as the DVL measures it, with its scale error and
+    /// misalignment.
     pub(super) fn measured(&self, (east, north): EastNorthRate, sound_ratio: f64) -> EastNorthRate {
         let scale = self.scale * sound_ratio;
         let (sin, cos) = self.misalignment;
         (scale * (east * cos + north * sin), scale * (north * cos - east * sin))
     }
 
-    /// The reading of this number; none from a broken log.
+    /// The reading of this number; `None` from a failed DVL.
     pub(super) fn reading(
         &self,
         vehicle: &Vehicle,
@@ -228,7 +229,8 @@ impl DvlReading {
         }
     }
 
-    /// BFDV2 (SPI 6.14): along the beams on a hovering vehicle, else along the axes with the error velocity.
+    /// BFDV2 (SPI 6.14): velocities along the beams for a hovering vehicle, otherwise along the axes with the error
+    /// velocity.
     pub(super) fn extended(&self, hovers: bool, stamp: TimeOfDay) -> DvlBeams {
         let velocity_mps = if hovers {
             self.along_beams_mps

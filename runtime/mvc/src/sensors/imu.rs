@@ -31,8 +31,8 @@ impl Imu {
         }
     }
 
-    /// BFIMU (SPI 6.15), the reading of this number. An accelerometer feels no gravity, only what bears it up: level
-    /// and at rest it reads -9.81 down.
+    /// BFIMU (SPI 6.15), with the reading of this number. An accelerometer does not measure gravity but the force
+    /// against it: level and at rest, it reads -9.81 down.
     pub(super) fn message(
         &self,
         vehicle: &Vehicle,
@@ -63,7 +63,7 @@ impl Imu {
     }
 }
 
-/// Rates about the vehicle's axes, of the rates of roll, pitch and heading (Fossen 2011, equation 2.26).
+/// Rates about the vehicle's axes, computed from the rates of roll, pitch and heading (Fossen 2011, equation 2.26).
 fn body_rates_dps(vehicle: &Vehicle) -> [f64; 3] {
     let (sin_pitch, cos_pitch) = sin_cos(vehicle.motion().pitch_deg.to_radians());
     let (sin_roll, cos_roll) = sin_cos(vehicle.motion().roll_deg.to_radians());

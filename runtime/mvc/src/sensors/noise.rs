@@ -3,11 +3,11 @@ use std::sync::LazyLock;
 use backseat_units::math::{exp, ln};
 use backseat_world::Stream;
 
-/// The noise of one source of chance, by the number of its reading.
+/// The noise of one source, as a function of the reading's number.
 ///
-/// A reading's noise is a function of (seed, source, number) alone: a reading that nobody asks for costs nothing, and
-/// its leaving out moves no other. The key is drawn from the source's [`Stream`]; the numbers come from it by
-/// SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", 2014).
+/// The noise of a reading depends only on seed, source and number. So a reading that nobody needs costs nothing, and
+/// leaving it out changes no other reading. The key is drawn from the source's [`Stream`], and SplitMix64 makes the
+/// numbers from the key (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", 2014).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Noise {
     key: u64,
@@ -20,7 +20,7 @@ impl Noise {
         }
     }
 
-    /// The random numbers of one reading, always to be drawn in the same order.
+    /// The random numbers of one reading. Always draw them in the same order.
     pub(super) fn reading(self, number: u64) -> Draws {
         Draws {
             state: mix(self.key ^ number.wrapping_mul(0xD1B5_4A32_D192_ED03)),
@@ -52,7 +52,7 @@ impl Draws {
         loop {
             let bits = self.bits();
             let layer = (bits & (LAYERS as u64 - 1)) as usize;
-            // In [-1, 1), of the 53 high bits: the layer has taken seven of the low ones.
+            // In [-1, 1), from the 53 high bits. The layer uses seven of the low bits.
             let side = (bits.cast_signed() >> 11) as f64 * (1.0 / (1u64 << 52) as f64);
             let [outer, inner] = [self.ziggurat.edges[layer], self.ziggurat.edges[layer + 1]];
             let x = side * outer;
@@ -75,8 +75,8 @@ impl Draws {
         deviation * self.gaussian()
     }
 
-    /// Beyond the lowest layer's edge (Marsaglia, "Generating a Variable from the Tail of the Normal Distribution",
-    /// 1964).
+    /// A number beyond the edge of the lowest layer (Marsaglia, "Generating a Variable from the Tail of the Normal
+    /// Distribution", 1964).
     fn tail(&mut self, left: bool) -> f64 {
         loop {
             let x = -ln(1.0 - self.uniform()) / EDGE;
@@ -95,14 +95,14 @@ const fn mix(bits: u64) -> u64 {
 }
 
 const LAYERS: usize = 128;
-/// Where the tail begins, and the area of each layer (Marsaglia and Tsang, "The Ziggurat Method for Generating Random
-/// Variables", 2000; the algorithm is that of Doornik, "An Improved Ziggurat Method", 2005).
+/// Where the tail begins; [`AREA`] is the area of each layer (Marsaglia and Tsang, "The Ziggurat Method for Generating
+/// Random Variables", 2000; the algorithm is that of Doornik, "An Improved Ziggurat Method", 2005).
 const EDGE: f64 = 3.442_619_855_899;
 const AREA: f64 = 9.912_563_035_262_17e-3;
 
 #[derive(Debug)]
 struct Ziggurat {
-    /// Where each layer ends, the lowest first; the last is the top, 0.
+    /// The edge of each layer, from the lowest to the top, which is 0.
     edges: [f64; LAYERS + 1],
 }
 
@@ -133,12 +133,13 @@ mod tests {
 
     #[test]
     fn the_numbers_never_change() {
-        // An independent SplitMix64 and ziggurat agree but for another exp's last place. Recorded runs depend on them.
+        // An independent SplitMix64 and ziggurat give the same numbers, except for the last digit of another `exp`.
+        // Recorded runs depend on them.
         let mut draws = Noise { key: 0 }.reading(0);
         assert_eq!(
             draws.bits(),
             0xE220_A839_7B1D_CDAF,
-            "SplitMix64's own first number of seed 0"
+            "the first number of SplitMix64 for seed 0"
         );
         let mut draws = Noise { key: 1 }.reading(1);
         let drawn: Vec<f64> = (0..3).map(|_| draws.gaussian()).collect();
@@ -152,10 +153,10 @@ mod tests {
     ];
 
     #[test]
-    fn normal_numbers_have_their_moments_and_their_tails() {
+    fn normal_numbers_have_the_right_moments_and_tails() {
         let noise = Noise::new(3, "moments");
         let count = 400_000_u32;
-        // As readings are drawn: a few numbers of each.
+        // A few numbers of each reading, as the sensors draw them.
         let drawn: Vec<f64> = (0..u64::from(count) / 4)
             .flat_map(|number| {
                 let mut draws = noise.reading(number);
@@ -170,7 +171,7 @@ mod tests {
             let spread = (share / f64::from(count)).sqrt();
             assert!((found - share).abs() < 4.5 * spread, "{beyond} {found} {share}");
         }
-        // Neighbours, in a reading and from one to the next, know nothing of each other.
+        // Neighbours are not correlated, neither within a reading nor from one to the next.
         for lag in [1, 2, 4] {
             let product: f64 = drawn.windows(lag + 1).map(|pair| pair[0] * pair[lag]).sum();
             assert!((product / f64::from(count)).abs() < 0.008, "{lag}");

@@ -39,7 +39,7 @@ impl Schedules {
 }
 
 impl Sensors {
-    /// Breaks navigation or a sensor, or mends it.
+    /// Makes navigation or a sensor fail, or work again.
     pub(crate) fn fail(&mut self, failure: SensorFailure) {
         match failure {
             SensorFailure::Frozen(frozen) => self.freeze(frozen),
@@ -49,7 +49,7 @@ impl Sensors {
         }
     }
 
-    /// One step of the vehicle: its navigation and what its sensors read.
+    /// One step of the vehicle: its navigation and the readings of its sensors.
     pub(crate) fn step(&mut self, ctx: &mut Context<'_>) {
         let (gps, lock) = (self.has_gps(), self.has_bottom_lock());
         self.advance(ctx.vehicle, ctx.world, ctx.now);
@@ -63,7 +63,7 @@ impl Sensors {
         self.report_readings(ctx);
     }
 
-    /// BFNVG and BFNVR are built each step, whoever listens.
+    /// Builds BFNVG and BFNVR in every step, even if nobody listens.
     fn report_navigation(&mut self, ctx: &mut Context<'_>) {
         let convergence_deg = ctx.north.frame_deg - ctx.north.grid_deg;
         let (navigation, velocity) = self.navigation(ctx.vehicle, ctx.frame(), convergence_deg, ctx.stamp());
@@ -75,7 +75,7 @@ impl Sensors {
         }
     }
 
-    /// The other sensors, each at its own rate: a reading is counted in any case, and made where it is wanted.
+    /// The other sensors, each at its own rate. A reading is always counted, but made only if a client wants it.
     fn report_readings(&mut self, ctx: &mut Context<'_>) {
         let (now, failed) = (ctx.now, self.failed);
         let schedules = &mut self.schedules;

@@ -2,7 +2,7 @@ use core::time::Duration;
 
 use backseat_units::Timestamp;
 
-/// When a sensor gives its next reading, and which number that has.
+/// When a sensor makes its next reading, and the number of that reading.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Schedule {
     next: Timestamp,
@@ -11,7 +11,7 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// A sensor that reads first at the vehicle's first step.
+    /// The schedule of a sensor that makes its first reading in the vehicle's first step.
     pub(super) fn every(period_s: f64) -> Self {
         Self {
             next: Timestamp::ZERO,
@@ -20,8 +20,8 @@ impl Schedule {
         }
     }
 
-    /// The number of the reading that is due at this step, if one is. A sensor faster than the vehicle's steps reads
-    /// once a step.
+    /// The number of the reading that is due at this step, if one is. A sensor that is faster than the vehicle's steps
+    /// makes one reading a step.
     pub(super) fn due(&mut self, now: Timestamp) -> Option<u64> {
         if now < self.next {
             return None;
@@ -47,9 +47,9 @@ mod tests {
                 .filter(|tick| schedule.due(Timestamp::from_millis(tick * tick_ms)).is_some())
                 .count()
         };
-        // The first at the first step, then at every whole second.
+        // The first reading is at the first step, the others at every whole second.
         assert_eq!(count(1.0, 100), 11);
-        // Two of five steps on the average, although no step is at a quarter of a second.
+        // On average there is a reading in two of five steps, although no step is at a quarter of a second.
         assert!((39..=41).contains(&count(0.25, 100)));
         assert_eq!(count(0.01, 100), 100);
         assert_eq!(count(0.1, 100), 100);

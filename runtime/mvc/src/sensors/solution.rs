@@ -10,55 +10,57 @@ use super::noise::{Draws, Noise};
 use crate::file::{SensorConfig, WithoutLock};
 use crate::vehicle::Vehicle;
 
-/// Where the solution was is kept for this long, a place a second: no fix may be older (`age_max_s`).
+/// Number of past places of the solution that are kept, one a second. No fix may be older (`age_max_s`).
 const HISTORY: usize = 128;
 const HISTORY_PERIOD: Duration = Duration::from_secs(1);
-/// Half of the points of a circular normal distribution lie within this many of its standard deviations each way:
-/// the root of 2 ln 2. A fix's accuracy is given as that radius (SPI 7.21).
+/// Half of the points of a circular normal distribution lie within this many of its standard deviations (per axis) of
+/// the centre: the square root of 2 ln 2. The accuracy of a fix is given as that radius (SPI 7.21).
 const CIRCULAR_ERROR_PROBABLE: f64 = 1.177_41;
-/// No fix is taken for better than this, metres each way.
+/// The least standard deviation of a fix that the vehicle assumes, metres per axis.
 const FIX_DEVIATION_MIN_M: f64 = 0.1;
 
-/// Time constant with which the velocity takes on that of the log, or of GPS, seconds: the solution is inertial, and a
-/// bottom that comes into reach is no jolt.
+/// Time constant with which the velocity follows that of the DVL or of GPS, seconds. The solution is inertial, so it
+/// does not jump when the bottom comes into range.
 const AIDED_TAU_S: f64 = 2.0;
 
-/// The navigation solution: dead reckoning by the inertial system and the Doppler log, which fixes correct.
+/// The navigation solution: dead reckoning with the inertial system and the DVL, corrected by fixes.
 ///
-/// With bottom lock the velocity is the log's, with its scale error, turned by its misalignment and by the heading's
-/// error: the position's error is a share of the distance, and a random walk. Without, the velocity's own error walks.
-/// The velocity that is told is the one whose sum the position is, but for that walk and for fixes.
-/// On the surface GPS moves the solution to each of its fixes.
+/// With bottom lock, the velocity is that of the DVL, with its scale error, turned by its misalignment and by the error
+/// of the heading. So the error of the position is a share of the distance, plus a random walk. Without lock, the error
+/// of the velocity itself is a random walk. The position is the integral of the reported velocity, apart from the walk
+/// of the position and from fixes. On the surface, each GPS fix moves the solution to it.
 #[derive(Clone, Debug)]
 pub(super) struct Solution {
     config: SensorConfig,
     pub(super) at: EastNorth,
     /// Velocity over ground, metres a second.
     pub(super) velocity: EastNorthRate,
-    /// The way that this velocity made in the last step.
+    /// The distance that this velocity made in the last step.
     way: EastNorth,
     pub(super) heading_bias_deg: f64,
-    /// Sine and cosine of the heading's error.
+    /// Sine and cosine of the error of the heading.
     turn: (f64, f64),
-    /// The walk of one step: of the position, metres each way, and without lock of the velocity, metres a second.
+    /// The random walk of the position in one step, metres per axis; `velocity_step_mps` is that of the velocity
+    /// without lock, metres a second.
     position_step_m: f64,
     velocity_step_mps: f64,
     dt_s: f64,
     /// The error of the velocity.
     velocity_error: EastNorthRate,
-    /// The share of the way to the error of what aids it that the error goes in a step.
+    /// The share of the difference to the error of the aiding sensor that the velocity's error loses in a step.
     aid_share: f64,
-    /// The current as it was seen in the last lock, and what has been added to it since.
+    /// The current that was measured with the last lock, plus the random walk since then.
     held_current: EastNorthRate,
     error: ErrorModel,
     gps: Gps,
     history: VecDeque<(Timestamp, EastNorth)>,
 }
 
-/// What the vehicle believes of its own error, each way: what a fix is weighed with.
+/// The vehicle's estimate of its own error per axis. Fixes are weighed with it.
 #[derive(Clone, Copy, Debug)]
 struct ErrorModel {
-    /// Standard deviation of the share of the distance that is lost, and of the walks: metres squared a step.
+    /// Standard deviation of the error as a share of the distance. The two fields after it are the variances that the
+    /// walks of position and velocity add in a step.
     share: f64,
     step_m2: f64,
     velocity_step_m2: f64,
@@ -67,27 +69,27 @@ struct ErrorModel {
     velocity_m2: f64,
 }
 
-/// The receiver.
+/// The GPS receiver.
 #[derive(Clone, Debug)]
 struct Gps {
     noise: Noise,
     fixes: u64,
     error: EastNorth,
-    /// When it has acquired, while the antenna is out of the water.
+    /// When it has acquired or will acquire satellites, while the antenna is out of the water.
     acquired_at: Option<Timestamp>,
     next_fix: Timestamp,
     used: bool,
     dead: bool,
 }
 
-/// What a fix did.
+/// The effect of a fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum FixOutcome {
-    /// The solution has moved so far, metres.
+    /// The solution has moved by this distance, metres.
     Moved(f64),
-    /// It is older than the vehicle takes it, seconds.
+    /// The fix is too old: its age, seconds.
     TooOld(f64),
-    /// It is so far off, metres, of which so many are likely.
+    /// The fix is this far from the solution, metres, beyond the limit of what is likely.
     Outlier { off_m: f64, limit_m: f64 },
 }
 
@@ -97,7 +99,7 @@ impl Solution {
         let heading_bias_deg = constant.normal(config.ins.heading_bias_deg);
         let gps_noise = Noise::new(seed, "gps");
         let mut first = gps_noise.reading(0);
-        // The last fix before the run: a dive from the surface begins with its error.
+        // The last fix before the run. A dive from the surface begins with its error.
         let error = EastNorth::new(first.gaussian(), first.gaussian()) * config.gps.error_m;
         let surfaced = vehicle.motion().depth_m < config.gps.antenna_depth_m;
         let position_step_m = config.position_drift_m_per_sqrt_h * (dt_s / 3600.0).sqrt();
@@ -138,7 +140,7 @@ impl Solution {
         }
     }
 
-    /// Whether GPS is in the solution.
+    /// Whether the solution uses GPS.
     pub(super) const fn has_gps(&self) -> bool {
         self.gps.used
     }
@@ -147,7 +149,7 @@ impl Solution {
         self.gps.dead = dead;
     }
 
-    /// One step: what the vehicle has moved, as the vehicle knows it.
+    /// One step: adds the vehicle's motion, as its sensors measure it.
     pub(super) fn step(&mut self, vehicle: &Vehicle, dvl: &Dvl, sound_ratio: f64, now: Timestamp, draws: &mut Draws) {
         let before = self.velocity;
         let ground = vehicle.motion().ground;
@@ -209,7 +211,7 @@ impl Solution {
         }
     }
 
-    /// GPS is in the solution from the first fix after the antenna has come up until it goes down.
+    /// The solution uses GPS from the first fix after the antenna has come up until the antenna goes down.
     fn receive_gps(&mut self, vehicle: &Vehicle, now: Timestamp) {
         let config = self.config.gps;
         if vehicle.motion().depth_m >= config.antenna_depth_m || self.gps.dead {
@@ -226,7 +228,7 @@ impl Solution {
         self.gps.next_fix = now + Duration::from_secs_f64(config.period_s);
         self.gps.fixes += 1;
         let mut draws = self.gps.noise.reading(self.gps.fixes);
-        // A first-order Gauss-Markov process: its spread stays what it is at any rate of fixes.
+        // A first-order Gauss-Markov process. Its spread does not depend on the rate of fixes.
         let kept = if config.correlation_s > 0.0 {
             exp(-config.period_s / config.correlation_s)
         } else {
@@ -240,7 +242,7 @@ impl Solution {
         (self.error.systematic_m, self.error.velocity_m2) = (0.0, 0.0);
     }
 
-    /// Moves the solution, and with it where it has been.
+    /// Moves the solution and its history.
     pub(super) fn move_by(&mut self, way: EastNorth) {
         self.at = self.at + way;
         for (_, at) in &mut self.history {
@@ -248,8 +250,9 @@ impl Solution {
         }
     }
 
-    /// A payload's fix of where the vehicle was `age_s` ago, good to a circular error probable of `error_m`: one step
-    /// of a Kalman filter of the position, or all of the way where the fix is forced (SPI 7.21).
+    /// Applies a payload's fix of where the vehicle was `age_s` seconds ago, with a circular error probable of
+    /// `error_m`. It is one step of a Kalman filter of the position; a forced fix moves the solution by the whole
+    /// difference (SPI 7.21).
     pub(super) fn fix(
         &mut self,
         now: Timestamp,
@@ -283,7 +286,7 @@ impl Solution {
         FixOutcome::Moved(off_m * gain)
     }
 
-    /// Where the solution was, between the places that are kept.
+    /// Where the solution was `age_s` seconds ago, interpolated between the places of the history.
     fn at_time(&self, now: Timestamp, age_s: f64) -> EastNorth {
         let (mut later_s, mut later) = (0.0, self.at);
         for (time, at) in self.history.iter().rev() {
@@ -297,7 +300,7 @@ impl Solution {
         later
     }
 
-    /// The way of the last step without the heading's error: as the log measures it along the vehicle's own axes.
+    /// The distance of the last step without the error of the heading, as the DVL measures it along the vehicle's axes.
     pub(super) fn own_way(&self) -> EastNorth {
         let (sin, cos) = self.turn;
         let EastNorth { east_m, north_m } = self.way;

@@ -6,7 +6,7 @@ use super::noise::Noise;
 use crate::file::TailconeConfig;
 use crate::vehicle::Vehicle;
 
-/// The fastest turn of a vehicle without way on, degrees a second: whatever it is shared by is nothing.
+/// The least value for the fastest turn, degrees a second. It avoids a division by zero for a vehicle without speed.
 const TURN_LEAST_DPS: f64 = 0.5;
 
 /// Thruster, rudder and elevator.
@@ -15,7 +15,7 @@ pub(super) struct Tailcone {
     config: TailconeConfig,
     rotation: Noise,
     angles: Noise,
-    /// What the table of speeds is wrong by, a factor.
+    /// Error of the table of speeds, a factor.
     table: f64,
 }
 
@@ -30,10 +30,11 @@ impl Tailcone {
         }
     }
 
-    /// BFRVL (SPI 6.7), the reading of this number.
+    /// BFRVL (SPI 6.7), with the reading of this number.
     pub(super) fn speed(&self, vehicle: &Vehicle, number: u64, stamp: TimeOfDay) -> VehicleSpeed {
         let rpm_per_mps = vehicle.performance().rpm_per_mps;
-        // Let go against the water's motion it has less than no way on, and its thruster has not begun to turn.
+        // After a release against the current, the speed through the water can be negative while the thruster does not
+        // turn yet.
         let turns_rpm = vehicle
             .motion()
             .tail
@@ -48,11 +49,11 @@ impl Tailcone {
         }
     }
 
-    /// BFERC (SPI 6.12), the reading of this number.
+    /// BFERC (SPI 6.12), with the reading of this number.
     ///
-    /// Where the model has fins, those. The kinematic one has none: an angle is the share of the vehicle's fastest turn
-    /// at this speed, or of its fastest climb, that the vehicle makes, and its target the share that it has been asked
-    /// for. That is found from how far the rate has come in a step.
+    /// If the model has fins, their angles. The first-order model has none: there, an angle is the vehicle's turn or
+    /// climb as a share of its fastest turn at this speed, or of its fastest climb. The target is the demanded share,
+    /// computed from the change of the rate in a step.
     pub(super) fn angles(
         &self,
         vehicle: &Vehicle,

@@ -2,10 +2,10 @@ use backseat_units::EastNorth;
 
 use crate::faults::Untrue;
 
-/// What is wrong with what BFNVG and BFNVR say.
+/// The faults that make BFNVG and BFNVR report wrong values.
 ///
-/// It is put on the words alone, after the solution has been made: what the vehicle steers by is not touched, so that its
-/// truth and its own belief stay those of a vehicle that is well.
+/// They change only the messages, after the solution is computed. The vehicle does not steer by the messages, so its
+/// truth and its own estimate remain those of a vehicle without faults.
 #[derive(Clone, Debug, Default)]
 pub(super) struct UntrueWords(Vec<Acting>);
 
@@ -13,11 +13,11 @@ pub(super) struct UntrueWords(Vec<Acting>);
 struct Acting {
     number: usize,
     what: Untrue,
-    /// The last step before it.
+    /// The last step before the fault.
     since: u64,
-    /// Where the solution was then.
+    /// Where the solution was in that step.
     from: EastNorth,
-    /// The place that is told all the time.
+    /// The place that is reported all the time, if the position is frozen.
     held: Option<EastNorth>,
 }
 
@@ -38,7 +38,7 @@ impl UntrueWords {
         self.0.retain(|acting| acting.number != number);
     }
 
-    /// The place that is told of a step, one fault after the other in the order of their numbers.
+    /// The place that is reported in a step. The faults act one after the other, in the order of their numbers.
     pub(super) fn place(&mut self, so: EastNorth, step: u64, dt_s: f64) -> EastNorth {
         let mut told = so;
         for acting in &mut self.0 {
@@ -55,7 +55,7 @@ impl UntrueWords {
         told
     }
 
-    /// The heading and the depth that are told of a step, degrees and metres.
+    /// The heading and the depth that are reported in a step, degrees and metres.
     pub(super) fn attitude(&self, mut heading_deg: f64, mut depth_m: f64, step: u64) -> (f64, f64) {
         for acting in &self.0 {
             let turned = step.saturating_sub(acting.since) % 2 == 1;

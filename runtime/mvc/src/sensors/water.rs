@@ -8,12 +8,12 @@ use super::noise::Noise;
 use crate::file::SensorConfig;
 use crate::vehicle::Vehicle;
 
-/// Pressure of the air, kilopascals.
+/// Atmospheric pressure, kilopascals.
 const AIR_KPA: f64 = 101.325;
-/// Pressure of a metre of sea water at 1025 kg/m3, kilopascals: what the vehicle takes a sensor's error for.
+/// Pressure of a metre of sea water at 1025 kg/m3, kilopascals. It converts a sensor's error to metres.
 const WATER_KPA_PER_M: f64 = 10.052;
 
-/// What is measured of the water: pressure, temperature, conductivity, speed of sound.
+/// The sensors for the water: pressure, temperature, conductivity, speed of sound.
 #[derive(Clone, Debug)]
 pub(super) struct Water {
     config: SensorConfig,
@@ -25,7 +25,7 @@ pub(super) struct Water {
     ctd_pressure_bias_kpa: f64,
     depth_bias_kpa: f64,
     sound_bias_mps: f64,
-    /// By the payload's newest CTD data, and until when they are used.
+    /// Speed of sound from the payload's newest CTD data, and until when it is used.
     by_payload: Option<(f64, Timestamp)>,
     pub(super) ctd_dead: bool,
     pub(super) sound_dead: bool,
@@ -54,12 +54,13 @@ impl Water {
         }
     }
 
-    /// What the depth is wrong by, metres.
+    /// Error of the depth, metres.
     pub(super) fn depth_error_m(&self) -> f64 {
         self.depth_bias_kpa / WATER_KPA_PER_M
     }
 
-    /// BFRDP (SPI 6.6), the reading of this number: absolute, with the air's pressure, as BFCTD's.
+    /// BFRDP (SPI 6.6), with the reading of this number. The pressure is absolute, with that of the atmosphere, as in
+    /// BFCTD.
     pub(super) fn depth_sensor(&self, vehicle: &Vehicle, world: &World, number: u64, stamp: TimeOfDay) -> DepthSensor {
         let noise_kpa = self.pressure.reading(number).normal(self.config.depth.noise_kpa);
         DepthSensor {
@@ -68,7 +69,7 @@ impl Water {
         }
     }
 
-    /// BFCTD (SPI 6.16), the reading of this number.
+    /// BFCTD (SPI 6.16), with the reading of this number.
     pub(super) fn ctd(&self, vehicle: &Vehicle, world: &World, now: Timestamp, number: u64, stamp: TimeOfDay) -> Ctd {
         let config = &self.config;
         let mut draws = self.ctd.reading(number);
@@ -92,14 +93,14 @@ impl Water {
         )
     }
 
-    /// A payload has measured the water (SPI 7.15).
+    /// Takes a payload's measurement of the water (SPI 7.15).
     pub(super) fn heed(&mut self, now: Timestamp, data: &PayloadCtd) {
         let speed_mps = sound_speed_by_ctd_mps(data.conductivity_us_per_cm, data.temperature_c, data.pressure_kpa);
         let until = now + Duration::from_secs_f64(self.config.sound.payload_data_for_s);
         self.by_payload = Some((speed_mps, until));
     }
 
-    /// The vehicle's value for the speed of sound, metres a second, but for a sensor's noise.
+    /// The vehicle's value for the speed of sound, metres a second, without a sensor's noise.
     pub(super) fn sound_mps(&self, vehicle: &Vehicle, world: &World, now: Timestamp) -> f64 {
         if self.config.sound.fitted && !self.sound_dead {
             return true_sound_mps(vehicle, world, now) + self.sound_bias_mps;
@@ -116,7 +117,7 @@ impl Water {
         self.config.sound.nominal_mps
     }
 
-    /// BFSVS (SPI 6.4), the reading of this number: of the sensor, else the estimate.
+    /// BFSVS (SPI 6.4), with the reading of this number from the sensor, or with the estimate if there is no sensor.
     pub(super) fn sound(
         &self,
         vehicle: &Vehicle,
@@ -139,12 +140,13 @@ fn pressure_kpa(world: &World, depth_m: f64) -> f64 {
     AIR_KPA + 10.0 * world.pressure_dbar(depth_m)
 }
 
-/// What the water makes of it, metres a second.
+/// The true speed of sound, metres a second.
 pub(super) fn true_sound_mps(vehicle: &Vehicle, world: &World, now: Timestamp) -> f64 {
     world.sound_speed_mps(vehicle.motion().at, vehicle.motion().depth_m, now)
 }
 
-/// Speed of sound by what a CTD measures: microsiemens a centimetre, degrees Celsius, kilopascals with the air's.
+/// Speed of sound from the readings of a CTD: microsiemens a centimetre, degrees Celsius, kilopascals including the
+/// atmosphere.
 fn sound_speed_by_ctd_mps(conductivity_us_per_cm: f64, temperature_c: f64, pressure_kpa: f64) -> f64 {
     let pressure_dbar = 0.1 * (pressure_kpa - AIR_KPA).max(0.0);
     let salinity = seawater::salinity(conductivity_us_per_cm, temperature_c, pressure_dbar);

@@ -8,28 +8,29 @@ use crate::event::ClientId;
 use crate::faults::{AckFilter, AckStage, FaultKind, NegativeStatus};
 use crate::interpretation::Interpretation;
 
-/// The longest text of an answer, characters: what a client sends is quoted, not sent back whole.
+/// The longest text of an answer, characters. It quotes what a client sent, but may not repeat all of it.
 const TEXT_MAX: usize = 160;
 
-/// Commands whose own section speaks of their acknowledgement (SPI 7.1, 7.3, 7.5, 7.6, 7.8, 7.19, 7.22 to 7.24).
+/// Commands whose own section mentions their acknowledgement (SPI 7.1, 7.3, 7.5, 7.6, 7.8, 7.19, 7.22 to 7.24).
 const OF_THEIR_SECTIONS: [&str; 9] = ["LOG", "TOP", "RTK", "RTC", "RCN", "RMP", "SIL", "TRM", "BOY"];
 
-/// How many acknowledgements may be late at once; beyond it they are lost.
+/// How many acknowledgements may be late at once. More are lost.
 const LATE_MAX: usize = 4096;
 
-/// What an acknowledgement is about.
+/// The command that an acknowledgement answers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Regarding {
     pub(crate) client: ClientId,
     pub(crate) command: CommandName,
     pub(crate) created: TimeOfDay,
     pub(crate) behavior: Option<BehaviorId>,
-    /// The connection that asked is gone: nobody is told, not even a new connection with the same number.
+    /// The connection that sent the command is gone. Nobody gets the answer, not even a new connection with the same
+    /// number.
     pub(crate) muted: bool,
 }
 
 impl Regarding {
-    /// About a command of a client.
+    /// For a command of a client.
     pub(crate) fn command(client: ClientId, command: &ToVehicle) -> Self {
         Self {
             client,
@@ -40,7 +41,7 @@ impl Regarding {
         }
     }
 
-    /// The same about a behavior.
+    /// The same, for a behavior.
     pub(crate) const fn of(self, behavior: BehaviorId) -> Self {
         Self {
             behavior: Some(behavior),
@@ -49,12 +50,12 @@ impl Regarding {
     }
 }
 
-/// What is acknowledged, and what goes wrong with it.
+/// Which commands are acknowledged, and what goes wrong with acknowledgements.
 #[derive(Debug)]
 pub(super) struct Answers {
     acknowledges_sections: bool,
     pub(super) echo_decimals: u8,
-    /// The faults of acknowledgements that act, by their place in the plan of faults.
+    /// The faults of acknowledgements that act now, by their place in the fault plan.
     faults: Vec<(usize, FaultKind)>,
     late: VecDeque<Late>,
 }
@@ -66,9 +67,9 @@ struct Late {
     message: Acknowledgement,
 }
 
-/// What a fault makes of an acknowledgement.
+/// What the faults do to an acknowledgement.
 pub(super) enum Verdict {
-    /// It comes, and says this.
+    /// It is sent at once, with this status.
     Says(AckStatus),
     Late(AckStatus, Duration),
     Lost,
@@ -84,13 +85,13 @@ impl Answers {
         }
     }
 
-    /// Whether the vehicle acknowledges this command with this outcome at all.
+    /// Whether the vehicle acknowledges this command and this outcome at all.
     pub(super) fn speaks_of(&self, command: CommandName, status: AckStatus) -> bool {
         let spoken_of = OF_THEIR_SECTIONS.contains(&command.as_str()) || status == AckStatus::Invalid;
         !self.acknowledges_sections || spoken_of
     }
 
-    /// A fault of acknowledgements begins or ends. It has this place in the plan of faults.
+    /// A fault of acknowledgements begins or ends. `index` is its place in the fault plan.
     pub(super) fn fault(&mut self, index: usize, kind: &FaultKind, begins: bool) {
         self.faults.retain(|(place, _)| *place != index);
         if begins {
@@ -99,7 +100,7 @@ impl Answers {
         }
     }
 
-    /// What a command is answered instead of being done.
+    /// The status with which a fault makes the vehicle refuse this command, if one does.
     pub(super) fn refusal(&self, name: CommandName) -> Option<AckStatus> {
         self.faults.iter().find_map(|(_, kind)| {
             if let FaultKind::AcksNegative {
@@ -154,7 +155,7 @@ impl Answers {
         }
     }
 
-    /// When the next late acknowledgement is sent; [`Timestamp::MAX`] is never.
+    /// When the next late acknowledgement is sent; [`Timestamp::MAX`] means never.
     pub(super) fn late_due(&self) -> Timestamp {
         self.late.front().map_or(Timestamp::MAX, |late| late.due)
     }
@@ -164,7 +165,7 @@ impl Answers {
         Some((late.client, late.message))
     }
 
-    /// Nobody is told any more.
+    /// Drops the late acknowledgements of a client.
     pub(super) fn forget(&mut self, client: ClientId) {
         self.late.retain(|late| late.client != client);
     }

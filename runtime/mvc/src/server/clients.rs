@@ -10,14 +10,14 @@ use crate::file::SpiConfig;
 use crate::server::roles::{Roles, Seat};
 use crate::server::topics::Topic;
 
-/// How much may wait for a client, bytes: a long plan fits twice, a client that never reads is cut off.
+/// How many bytes may wait for a client. A long plan fits twice; a client that never reads is cut off.
 const BACKLOG_MAX: usize = 4 << 20;
 
-/// What came from a client.
+/// What a client sent.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Received {
     Command(ToVehicle),
-    /// A command that does not parse: its name, and which field is at fault.
+    /// A command that does not parse: its name, and which field is wrong.
     Malformed(CommandName, Text),
 }
 
@@ -29,12 +29,12 @@ struct Client {
     /// Which of the server's roles it holds.
     role: Option<usize>,
     out: Vec<u8>,
-    /// What it had sent that is no sentence, when the log was last told, and when the next line may come.
+    /// The framer's counts at the last log line about invalid input, and when the next line may come.
     told: FrameCounts,
     tell_from: Timestamp,
 }
 
-/// Ignored sentences of a client are told of no more often.
+/// The log has at most one line about a client's invalid input in this time.
 const IGNORED_EVERY: Duration = Duration::from_secs(1);
 
 const fn without_sentences(counts: FrameCounts) -> FrameCounts {
@@ -45,19 +45,19 @@ const fn without_sentences(counts: FrameCounts) -> FrameCounts {
     }
 }
 
-/// The table of clients: what each has switched on, what it has sent, what is due to it.
+/// The table of clients: what each has switched on, what it has sent, and what waits for it.
 #[derive(Debug)]
 pub(crate) struct Clients {
     clients: Vec<Client>,
     clients_max: usize,
     roles: Roles,
-    /// Clients that the server has cut off and the driver has not yet heard of.
+    /// Clients that the server has cut off and that the driver has not fetched yet.
     gone: VecDeque<ClientId>,
-    /// What the server has cut off since last asked, why, and the role that is free by that.
+    /// The clients that the server has cut off since the last call, why, and the role that became free.
     dropped: VecDeque<(ClientId, DropReason, Option<Box<str>>)>,
-    /// All that any client has switched on.
+    /// All topics that any client has switched on.
     topics: u32,
-    /// Where the next look for something to send begins, so that each client has its turn.
+    /// Where the next search for something to send begins, so that each client has its turn.
     turn: usize,
     scratch: Vec<u8>,
 }
@@ -76,7 +76,7 @@ impl Clients {
         }
     }
 
-    /// Adds a client; false where there is no room or no role for it, and it is cut off.
+    /// Adds a client. Returns false if there is no room or no role for it; it is then cut off.
     pub(crate) fn connect(&mut self, id: ClientId, address: Option<SocketAddr>, topics: u32) -> bool {
         self.disconnect(id);
         self.gone.retain(|gone| *gone != id);
@@ -118,7 +118,7 @@ impl Clients {
         self.clients.iter().find(holds).map(|client| client.id)
     }
 
-    /// Forgets a client, and gives the role that is free by that; none where the client was not known.
+    /// Forgets a client, and returns the role that became free; `None` if the client was not known.
     pub(crate) fn disconnect(&mut self, id: ClientId) -> Option<Option<Box<str>>> {
         let at = self.clients.iter().position(|client| client.id == id)?;
         let client = self.clients.remove(at);
@@ -128,7 +128,7 @@ impl Clients {
 
     pub(crate) fn cut_off(&mut self, id: ClientId, reason: DropReason) {
         let role = self.disconnect(id).flatten();
-        // A driver that never asks must not make this grow.
+        // The limit keeps this from growing if the driver never fetches it.
         if self.gone.len() < 1024 {
             self.gone.push_back(id);
         }
@@ -141,7 +141,7 @@ impl Clients {
         }
     }
 
-    /// The next that the server has cut off, why, and the role that is free by that.
+    /// The next client that the server has cut off, why, and the role that became free.
     pub(crate) fn next_dropped(&mut self) -> Option<(ClientId, DropReason, Option<Box<str>>)> {
         self.dropped.pop_front()
     }
@@ -174,7 +174,7 @@ impl Clients {
         })
     }
 
-    /// What a client has sent that is no sentence, since that was last asked with an answer: a line a second at most.
+    /// The invalid input of a client since the last line about it, in words; at most one line a second.
     pub(crate) fn ignored(&mut self, now: Timestamp, id: ClientId) -> Option<Text> {
         let client = self.client(id)?;
         let (counts, told) = (client.framer.counts(), client.told);
@@ -186,7 +186,7 @@ impl Clients {
             (counts.checksum_invalid - told.checksum_invalid, "with a wrong checksum"),
             (counts.malformed - told.malformed, "without a name"),
             (counts.too_long - told.too_long, "too long"),
-            (counts.not_utf8 - told.not_utf8, "not of text"),
+            (counts.not_utf8 - told.not_utf8, "not UTF-8"),
             (counts.cut_short - told.cut_short, "cut short"),
             (counts.overflowed - told.overflowed, "too many at once"),
             (counts.noise_bytes - told.noise_bytes, "bytes of noise"),
@@ -216,12 +216,12 @@ impl Clients {
             .any(|client| client.id == id && client.topics & topic.bit() != 0)
     }
 
-    /// Whether any client has switched it on.
+    /// Whether any client has switched on one of these.
     pub(crate) const fn wanted(&self, topics: u32) -> bool {
         self.topics & topics != 0
     }
 
-    /// Sends to one client. An error is the name of the message that cannot be written.
+    /// Sends a message to one client. An error is the name of a message that cannot be encoded.
     pub(crate) fn send(&mut self, id: ClientId, message: &FromVehicle) -> Result<(), Box<str>> {
         let Some(client) = self.client(id) else { return Ok(()) };
         let encoded = message.encode(&mut client.out).map_err(|_| Box::from(message.name()));
@@ -231,7 +231,7 @@ impl Clients {
         encoded
     }
 
-    /// Sends to every client that has switched it on, or to all.
+    /// Sends a message to every client that has switched on its topic, or to all clients if it has no topic.
     pub(crate) fn publish(&mut self, topic: Option<Topic>, message: &FromVehicle) -> Result<(), Box<str>> {
         self.scratch.clear();
         message
@@ -252,7 +252,7 @@ impl Clients {
         Ok(())
     }
 
-    /// One write: all that is due to one client. Its buffer is swapped, so that neither is allocated anew.
+    /// One write: all bytes that wait for one client. The buffers are swapped, so neither is allocated again.
     pub(crate) fn poll_transmit(&mut self, out: &mut Vec<u8>) -> Option<ClientId> {
         let count = self.clients.len();
         for step in 0..count {
@@ -272,8 +272,8 @@ impl Clients {
     }
 }
 
-/// What is wrong with a reserved field, which "must be empty or 0" (SPI 7.3, 7.10, 7.11); a comma in
-/// the text of a BPTOP spills into it. Decoding skips it.
+/// What is wrong with a reserved field, which "must be empty or 0" (SPI 7.3, 7.10, 7.11). A comma in the text of a
+/// BPTOP moves part of the text into it. Decoding skips the field.
 fn reserved_fault(command: &ToVehicle, sentence: &Sentence<'_>) -> Option<String> {
     #[expect(
         clippy::wildcard_enum_match_arm,

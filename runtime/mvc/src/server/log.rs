@@ -4,10 +4,10 @@ use backseat_units::Timestamp;
 
 use crate::event::{MvcEvent, MvcEventKind};
 
-/// How many events may wait to be fetched.
+/// How many events may wait until the driver fetches them.
 const EVENTS_MAX: usize = 10_000;
 
-/// The vehicle's log, until its driver fetches it.
+/// The events of the vehicle's log that the driver has not fetched yet.
 #[derive(Debug, Default)]
 pub(super) struct Log {
     events: VecDeque<MvcEvent>,
@@ -23,7 +23,7 @@ impl Log {
         }
     }
 
-    /// The next line. What was lost is told, with the time `at`, after what was kept.
+    /// The next line. After the lines that were kept comes a line, with the time `at`, that says how many were lost.
     pub(super) fn poll(&mut self, at: Timestamp) -> Option<MvcEvent> {
         if self.events.is_empty() && self.lost > 0 {
             let lost = core::mem::take(&mut self.lost);

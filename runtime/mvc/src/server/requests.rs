@@ -10,11 +10,12 @@ use crate::file::{AcknowledgeConfig, SpiConfig};
 use crate::plan::insert::Insert;
 use crate::server::answers::Regarding;
 
-/// How many requests may be pending at once, of all clients and of one: no client takes the others' room.
+/// How many requests of all clients together, and of one client, may be pending at once. So no client fills all the
+/// room.
 const PENDING_MAX: usize = 1024;
 const PENDING_EACH_MAX: usize = 64;
 
-/// A request whose outcome is still to be told (SPI 4.4).
+/// A request whose outcome the client does not know yet (SPI 4.4).
 #[derive(Clone, Debug)]
 struct Pending {
     due: Timestamp,
@@ -22,7 +23,7 @@ struct Pending {
     work: Work,
 }
 
-/// What is to be decided, and by whom.
+/// What is to be decided, and which part of the vehicle decides it.
 #[derive(Clone, Debug)]
 pub(crate) enum Work {
     Mission(Asked),
@@ -30,13 +31,13 @@ pub(crate) enum Work {
     Topside(Text),
 }
 
-/// What a payload has asked of the mission.
+/// What a payload has asked the mission to do.
 #[derive(Clone, Debug)]
 pub(crate) enum Asked {
     Insert(Insert),
     Cancel(BehaviorId),
     Plan,
-    /// An insert that BPRCA has taken back meanwhile.
+    /// An insert that BPRCA has cancelled while it was pending.
     TakenBack(BehaviorId),
 }
 
@@ -52,7 +53,7 @@ impl From<Text> for Work {
     }
 }
 
-/// The requests that are pending, in the order in which they came.
+/// The pending requests, in order of arrival.
 #[derive(Debug)]
 pub(super) struct Requests {
     pending: VecDeque<Pending>,
@@ -71,7 +72,7 @@ impl Requests {
         }
     }
 
-    /// Whether requests are decided as they come.
+    /// Whether requests are decided when they arrive.
     pub(super) fn is_immediate(&self) -> bool {
         match self.acknowledge {
             AcknowledgeConfig::Immediate => true,
@@ -79,7 +80,7 @@ impl Requests {
         }
     }
 
-    /// Whether there is no room for one more of this client.
+    /// Whether there is no room for one more request of this client.
     pub(super) fn is_full(&self, client: ClientId) -> bool {
         let own = self.pending.iter().filter(|pending| pending.re.client == client);
         self.pending.len() >= PENDING_MAX || own.count() >= PENDING_EACH_MAX
@@ -87,7 +88,7 @@ impl Requests {
 
     pub(super) fn push(&mut self, now: Timestamp, re: Regarding, work: Work) {
         let due = now + Duration::from_secs_f64(self.pending_s.draw(&mut self.delays));
-        // Requests are decided in the order in which they came; each still in time, since no delay exceeds the most.
+        // Requests are decided in order of arrival. Each is still in time, because no delay exceeds the greatest.
         let due = self.pending.back().map_or(due, |last| last.due.max(due));
         self.pending.push_back(Pending { due, re, work });
     }
@@ -97,14 +98,14 @@ impl Requests {
         Some((next.re, next.work))
     }
 
-    /// A connection is gone: what it has asked for is decided all the same, and no longer answered.
+    /// A connection is gone. Its requests are still decided, but no longer answered.
     pub(super) fn mute(&mut self, client: ClientId) {
         for pending in self.pending.iter_mut().filter(|pending| pending.re.client == client) {
             pending.re.muted = true;
         }
     }
 
-    /// Takes back the inserts that are still pending and `of` which that is true. How many.
+    /// Cancels the pending inserts for which `of` is true, and returns how many.
     pub(super) fn take_back(&mut self, of: impl Fn(&Insert) -> bool) -> usize {
         let mut count = 0;
         for pending in &mut self.pending {

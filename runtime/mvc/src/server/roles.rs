@@ -6,13 +6,13 @@ use crate::file::{RoleConfig, SpiConfig, WithoutRole};
 /// The roles that clients may hold, and who may hold them (SPI 4.1).
 #[derive(Clone, Debug)]
 pub(crate) struct Roles {
-    /// The patterns, those with a port first, else in the order in which they were written.
+    /// The patterns: those with a port first, otherwise in the order of the file.
     patterns: Vec<(RoleConfig, usize)>,
     names: Vec<String>,
     without_role: WithoutRole,
 }
 
-/// What the roles say of a new client.
+/// What the roles decide about a new client.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Seat {
     Role(usize),
@@ -31,7 +31,7 @@ impl Roles {
             });
             patterns.push((pattern.clone(), name));
         }
-        // Stable: the order of the file decides between equals.
+        // The sort is stable: the order of the file decides between equal patterns.
         patterns.sort_by_key(|(pattern, _)| pattern.port.is_none());
         Self {
             patterns,
@@ -40,10 +40,10 @@ impl Roles {
         }
     }
 
-    /// The most specific pattern that fits and whose role is free. A client that fits and finds each of its roles held
-    /// is turned away: roles may not be duplicated, and one role allows one connection (SPI 4.1).
+    /// The role of the most specific pattern that fits and whose role is free. A client whose matching roles are all
+    /// held is turned away: roles may not be duplicated, and one role allows one connection (SPI 4.1).
     pub(crate) fn seat(&self, address: Option<SocketAddr>, held: impl Fn(usize) -> bool) -> Seat {
-        // An address that nobody knows is a client in the same process: there is nothing to compare.
+        // A client without an address is in the same process: there is nothing to compare.
         let Some(address) = address.filter(|_| !self.patterns.is_empty()) else {
             return Seat::Stranger;
         };

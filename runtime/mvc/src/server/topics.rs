@@ -1,5 +1,5 @@
-/// The names of the status messages in BPLOG, in the order of [`Topic`]. What this vehicle has no sensor for can be
-/// switched on and never comes, as on a vehicle without the sensor.
+/// The names of the status messages in BPLOG, in the order of [`Topic`]. A client can switch on a message for which
+/// this vehicle has no sensor; the message is never sent, as on a vehicle without the sensor.
 const TOPICS: [&str; 27] = [
     "NVG", "NVR", "MBS", "MBE", "MIS", "CTL", "ACK", "CTD", "PLN", "TEL", "SVS", "RCM", "RDP", "RVL", "RBS", "ERC",
     "DVL", "DV2", "IMU", "RNV", "PIT", "CNV", "TRM", "BOY", "CMA", "CPS", "CPR",
@@ -8,7 +8,7 @@ const TOPICS: [&str; 27] = [
 /// The command messages (SPI 5), which are always on.
 const ALWAYS_ON: [&str; 7] = ["MSC", "SHT", "BDL", "SDL", "TOP", "DVT", "VER"];
 
-/// A status message that a payload can switch on (SPI 6, 9), a bit each.
+/// A status message that a payload can switch on (SPI 6, 9). Each has one bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Topic {
     Navigation,
@@ -21,7 +21,7 @@ pub(crate) enum Topic {
     Ctd,
     #[expect(
         dead_code,
-        reason = "BFPLN as behaviors begin is not implemented in this release of SPI (6.20)"
+        reason = "this release of SPI does not send BFPLN when a behavior begins (6.20)"
     )]
     Plan,
     Telemetry,
@@ -52,7 +52,7 @@ impl Topic {
 
 const ALL: u32 = ((1 << TOPICS.len()) - 1) & !Topic::Acknowledgement.bit();
 
-/// What BPLOG's first field names.
+/// What the first field of BPLOG names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Named {
     Topics(u32),

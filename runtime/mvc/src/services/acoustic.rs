@@ -17,20 +17,21 @@ use crate::server::topics::Topic;
 
 /// Packets over the acoustic modem (SPI 9).
 ///
-/// One packet is under way at a time; the modem waits for an acknowledgement before it takes up the next. Peers hear
-/// and are heard along a straight line at the speed of sound; what arrives while the modem itself sends is lost.
+/// The modem sends one packet at a time, and waits for its acknowledgement before it sends the next. Sound travels
+/// between the vehicle and its peers along a straight line at the speed of sound. A packet that arrives while the modem
+/// itself sends is lost.
 #[derive(Debug)]
 pub(crate) struct Acoustic {
     config: AcousticConfig,
     modem: Modem,
     peers: Peers,
     status_losses: Stream,
-    /// When the payload's window ends; none outside of one.
+    /// When the payload's window ends; `None` outside a window.
     window: Option<Timestamp>,
     next_window: Timestamp,
     next_own: Timestamp,
     own_request: u32,
-    /// Nothing is due before.
+    /// Nothing is due before this time.
     next: Timestamp,
 }
 
@@ -63,7 +64,7 @@ impl Acoustic {
         window.min(own).min(self.modem.due()).min(self.peers.due())
     }
 
-    /// What is wrong with a packet whatever the time: its mode, its frames, its destination.
+    /// What is wrong with the mode, the frames or the destination of a packet, at any time.
     fn fault(&self, packet: &Packet) -> Option<String> {
         let device = self.config.device;
         let Some((frames_max, bytes_max)) = device.frames(packet.mode) else {
@@ -83,8 +84,8 @@ impl Acoustic {
 }
 
 impl Acoustic {
-    /// BPCPD (SPI 9.4). "Any message sent to the vehicle outside of the provided windows will be ignored": nothing is
-    /// sent, and where acknowledgements are on, it has failed.
+    /// BPCPD (SPI 9.4). "Any message sent to the vehicle outside of the provided windows will be ignored": the packet
+    /// is not sent, and if acknowledgements are on, it is acknowledged as failed.
     pub(crate) fn packet(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &Packet) {
         if let Some(text) = self.fault(request) {
             return ctx.invalid(re, &text);
@@ -123,7 +124,7 @@ impl Acoustic {
         ctx.acknowledge(re, AckStatus::Failed, why);
     }
 
-    /// The vehicle falls silent: what waits is not sent.
+    /// The vehicle becomes silent: waiting packets are not sent.
     pub(crate) fn fall_silent(&mut self, ctx: &mut Context<'_>) {
         self.drop_packets(ctx);
         self.next = ctx.now;
@@ -182,7 +183,7 @@ impl Acoustic {
     }
 
     fn tick_modem(&mut self, ctx: &mut Context<'_>) {
-        // Each pass ends a packet or begins one.
+        // Each pass ends or begins one packet.
         loop {
             if let Some((request, outcome)) = self.modem.finish(ctx.now, &self.config, &self.peers) {
                 self.report_sent(ctx, request, outcome);
@@ -219,11 +220,11 @@ impl Acoustic {
             };
             ctx.publish(Some(Topic::PacketReceived), &message.into());
         }
-        // The peers' places are those of this step for packets that begin before the next.
+        // Packets that end before the next step use the vehicle's position of this step.
         self.modem.place(at);
     }
 
-    /// The payload's packets that wait are not sent.
+    /// Removes the payload's waiting packets and reports them as not sent.
     fn drop_packets(&mut self, ctx: &mut Context<'_>) {
         while let Some(request) = self.modem.take_payloads() {
             self.report_not_sent(ctx, request);

@@ -17,15 +17,15 @@ use crate::file::{AdjustmentConfig, WorldFile};
 use crate::server::answers::Regarding;
 use crate::server::topics::Topic;
 
-/// Above this depth the vehicle is on the surface, metres.
+/// The vehicle is on the surface if it is above this depth, metres.
 const SURFACED_M: f64 = 0.3;
-/// An adjustment that is to fail works for so long first.
+/// How long an adjustment works before its drawn failure.
 const FAILS_AFTER: Duration = Duration::from_secs(3);
 
 /// Trim and buoyancy (SPI 6.22, 6.23, 7.23, 7.24).
 ///
-/// An adjustment that a payload has asked for is the current behavior: the thruster is off, and the mission goes on
-/// where it was when it ends. The mission's own clocks run meanwhile.
+/// An adjustment that a payload has requested is the current behavior: the thruster is off. When it ends, the mission
+/// continues where it was. The mission's clocks keep running during the adjustment.
 #[derive(Debug)]
 pub(crate) struct Adjustment {
     config: AdjustmentConfig,
@@ -40,7 +40,7 @@ pub(crate) struct Adjustment {
 #[derive(Clone, Copy, Debug)]
 struct Running {
     kind: AdjustmentKind,
-    /// Who has asked; none where the vehicle adjusts by itself.
+    /// The client that requested it; `None` if the vehicle adjusts by itself.
     by: Option<ClientId>,
     began: Timestamp,
     /// How long it has worked.
@@ -85,13 +85,13 @@ impl Adjustment {
         }
     }
 
-    /// Whether an adjustment runs that a payload has asked for.
+    /// Whether an adjustment is running that a payload has requested.
     pub(crate) fn is_asked_for(&self) -> bool {
         self.running.is_some_and(|running| running.by.is_some())
     }
 
-    /// How fast the vehicle floats up, as a share of what its class does: of the buoyancy's root, for drag goes with
-    /// the square of the speed. Negative sinks.
+    /// How fast the vehicle floats up, as a share of the buoyant rise of its class. It is the square root of the share
+    /// of buoyancy, because drag grows with the square of the speed. With a negative share the vehicle sinks.
     pub(crate) fn rise_share(&self) -> f64 {
         let share = self.system.buoyancy_n / self.config.buoyancy_nominal_n;
         share.abs().sqrt().copysign(share)
@@ -122,7 +122,7 @@ impl Adjustment {
         ctx.acknowledge(re, AckStatus::Succeeded, "");
     }
 
-    /// Silence has been commanded: the systems stop at once.
+    /// Silence is commanded: the systems stop at once.
     pub(crate) fn fall_silent(&mut self, ctx: &mut Context<'_>) {
         self.end(
             ctx,
@@ -130,7 +130,7 @@ impl Adjustment {
         );
     }
 
-    /// The mission is wrapped up: the thruster is needed.
+    /// The mission wraps up and needs the thruster.
     pub(crate) fn abandon(&mut self, ctx: &mut Context<'_>) {
         self.end(ctx, failed(AdjustmentError::Canceled, "canceled: the mission wraps up"));
     }
@@ -178,10 +178,10 @@ impl Adjustment {
         } else if ctx.interpretation.adjustment_needs_status && !ctx.server.has(re.client, topic) {
             "its status message is not switched on"
         } else {
-            // An implicit one gives way.
+            // An adjustment that the vehicle began by itself is canceled.
             self.end(
                 ctx,
-                failed(AdjustmentError::Canceled, "canceled: another was asked for"),
+                failed(AdjustmentError::Canceled, "canceled: another was requested"),
             );
             ctx.acknowledge(re, AckStatus::Succeeded, "");
             self.begin(ctx, kind, Some(re.client));
@@ -220,7 +220,7 @@ impl Adjustment {
         }
     }
 
-    /// One step of work; the outcome where it is at its end.
+    /// Does one step of work. Returns the outcome if the adjustment ends.
     fn work(&mut self, ctx: &Context<'_>, running: Running) -> Option<Outcome> {
         let asked = running.by.is_some();
         if asked && running.in_mission && ctx.mission != Status::Running {
@@ -298,7 +298,7 @@ impl Adjustment {
         self.report(ctx, running.kind, outcome);
     }
 
-    /// BFBOY comes while no adjustment is in progress as well (SPI 6.23).
+    /// BFBOY is also sent while no adjustment is in progress (SPI 6.23).
     fn report_idle_buoyancy(&mut self, ctx: &mut Context<'_>) {
         self.next_buoyancy = ctx.now + Duration::from_secs_f64(self.config.idle_period_s);
         if !self.config.buoyancy_equipped || !ctx.wanted(Topic::Buoyancy.bit()) {

@@ -12,36 +12,36 @@ use crate::server::answers::Regarding;
 
 /// External triggering of the DVL (SPI 5.6, 7.4).
 ///
-/// The mock sees no pulses. [`DvlTriggerConfig`] says what it takes the line to do.
+/// The mock cannot see pulses. [`DvlTriggerConfig`] says what happens on the trigger line.
 #[derive(Debug)]
 pub(crate) struct DvlTrigger {
     config: DvlTriggerConfig,
     stops: VecDeque<Timestamp>,
     state: State,
-    /// Not before then is it safe to begin.
+    /// The earliest time at which it is safe to begin.
     safe_from: Timestamp,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Internal,
-    /// Asked for, not yet safe.
+    /// Requested, but not yet safe.
     Asked {
         by: ClientId,
         safe_at: Timestamp,
     },
     External(Line),
-    /// BFDVT 0 has been sent; the payload has not yet said that it has stopped.
+    /// BFDVT 0 is sent, and the payload has not yet reported that it has stopped.
     Stopping(Line),
 }
 
-/// The trigger line, while the DVL waits for it.
+/// The trigger line, while the DVL is in external triggering mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Line {
     by: ClientId,
-    /// The payload has not said that it does not trigger.
+    /// Whether the payload triggers. It is true until a BPDVR says otherwise.
     used: bool,
-    /// Its connection is there.
+    /// Whether the payload is connected.
     connected: bool,
     last_pulse: Timestamp,
 }
@@ -56,7 +56,7 @@ impl DvlTrigger {
         }
     }
 
-    /// A connection is gone, and with it whoever triggered.
+    /// Handles the end of a connection, whose payload then no longer triggers.
     pub(crate) fn client_left(&mut self, client: ClientId) {
         match &mut self.state {
             State::External(line) | State::Stopping(line) if line.by == client => line.connected = false,
@@ -77,7 +77,8 @@ impl DvlTrigger {
     }
 }
 
-/// What a BPDVR comes to: the state after it, what the log says, whether BFDVT 0 is due, how it is acknowledged.
+/// The result of a BPDVR: the state after it, the event for the log, whether to send BFDVT 0, and why it is refused, if
+/// it is.
 struct Answer {
     state: State,
     event: Option<DvlTriggerEvent>,
@@ -173,7 +174,7 @@ impl DvlTrigger {
 }
 
 impl DvlTrigger {
-    /// The whole table of SPI 7.4: each state by what the payload wants (`external`) and does (`triggering`).
+    /// The whole table of SPI 7.4: for each state, what the payload wants (`external`) and does (`triggering`).
     fn answer(&self, now: Timestamp, by: ClientId, external: bool, triggering: bool) -> Answer {
         let becomes = |state, event| Answer {
             state,
@@ -184,10 +185,11 @@ impl DvlTrigger {
         match (self.state, external, triggering) {
             (State::Internal, true, false) => becomes(self.ask(now, by), Some(DvlTriggerEvent::Asked(by))),
             (State::Internal, false, false) | (State::Asked { .. }, true, false) => becomes(self.state, None),
-            // It was never told to begin: it is told to cease, and has to ask anew.
+            // The payload triggers but was never told to begin. The vehicle tells it to cease, and the payload has to
+            // request again.
             (State::Internal | State::Asked { .. }, true, true) => Answer {
                 event: Some(DvlTriggerEvent::WithoutLeave(by)),
-                refused: Some("triggering without leave"),
+                refused: Some("triggering not permitted"),
                 ..becomes_ceasing(State::Internal)
             },
             (State::Internal, false, true) => Answer {
@@ -214,10 +216,10 @@ impl DvlTrigger {
             (State::External(_) | State::Stopping(_), false, false) => {
                 becomes(State::Internal, Some(DvlTriggerEvent::Internal))
             }
-            // It has stopped and still wishes: "the vehicle will re-enter external triggering mode as soon as
-            // possible".
+            // The payload has stopped and still wants to trigger: "the vehicle will re-enter external triggering mode
+            // as soon as possible".
             (State::Stopping(_), true, false) => becomes(self.ask(now, by), Some(DvlTriggerEvent::Asked(by))),
-            // It has been told to stop, and goes on.
+            // The payload was told to stop, but continues.
             (State::Stopping(_), _, true) => becomes(self.state, None),
         }
     }

@@ -21,23 +21,23 @@ use crate::truth::HoveringTruth;
 use crate::vehicle::ship::Ship;
 use crate::vehicle::{HoverDemand, Obstacle, Vehicle, Vertical};
 
-/// Speed asked for a metre of distance, per second.
+/// Demanded speed per metre of distance, per second.
 const POSITION_GAIN_PER_S: f64 = 0.25;
-/// So close to where it was sent the vehicle has arrived, metres.
+/// The vehicle has arrived if it is closer to its goal than this, metres.
 const ARRIVED_M: f64 = 0.15;
-/// The DVL looks at the hull, or at the bottom: degrees above the horizontal.
+/// Angle of the DVL when it faces the hull, and when it faces the bottom: degrees above the horizontal.
 const DVL_TO_HULL_DEG: f64 = 0.0;
 const DVL_TO_BOTTOM_DEG: f64 = -90.0;
-/// Turned further up than this the DVL ranges the ship and not the bottom.
+/// Above this angle the DVL measures the range to the ship and not to the bottom.
 const RANGES_ABOVE_DEG: f64 = -45.0;
 
-/// What only hovering vehicles have (SPI 6.17 to 6.19, 8); nothing in other vehicles.
+/// What only hovering vehicles have (SPI 6.17 to 6.19, 8). It is empty in other vehicles.
 #[derive(Debug)]
 pub(crate) struct Hovering {
     state: Option<Box<Inspector>>,
 }
 
-/// A hovering vehicle: its relative navigation, its devices, and where a payload has sent it.
+/// A hovering vehicle: its relative navigation, its devices, and the goal that a payload has given it.
 #[derive(Debug)]
 pub(crate) struct Inspector {
     relative: Relative,
@@ -63,23 +63,23 @@ pub(crate) struct Inspector {
     next_servo: Timestamp,
 }
 
-/// Where a suspended vehicle is to be, in coordinates of its relative navigation.
+/// The goal of a suspended vehicle, in coordinates of its relative navigation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Goal {
-    /// Where it was suspended, with the bearing that it had.
+    /// The place where it was suspended, with the bearing that it had there.
     Stay {
         x_m: f64,
         y_m: f64,
         depth_m: f64,
         bearing_deg: f64,
     },
-    /// Off the hull, and facing it.
+    /// At a distance from the hull, facing it.
     Hull {
         horizontal_m: f64,
         depth_m: f64,
         distance_m: f64,
     },
-    /// Near the bottom, with the bearing that it had.
+    /// Near the bottom, with the bearing that it had when it was sent there.
     Bottom {
         x_m: f64,
         y_m: f64,
@@ -138,7 +138,7 @@ impl Hovering {
 }
 
 impl Inspector {
-    /// Holds the place where it is, as deep as it believes to be.
+    /// Makes the present place the goal, at the depth that the vehicle believes to be at.
     fn stay(&mut self, vehicle: &Vehicle, depth_m: f64) {
         let (x_m, y_m) = self.relative.believed();
         self.goal = Goal::Stay {
@@ -150,7 +150,7 @@ impl Inspector {
         self.arrived = true;
     }
 
-    /// Sends the vehicle to a place; false where it is on its way there already.
+    /// Sends the vehicle to a place. Returns false if that is already its goal.
     fn go(&mut self, goal: Goal) -> bool {
         if self.goal == goal {
             return false;
@@ -160,7 +160,8 @@ impl Inspector {
         true
     }
 
-    /// One step of sonar and DVL. The log faces the ship while a payload holds the vehicle by it, and else the bottom.
+    /// One step of sonar and DVL. The DVL faces the ship while a payload keeps the vehicle at the hull, and otherwise
+    /// the bottom.
     fn turn_devices(&mut self, suspended: bool) {
         self.dvl.turn_to(match self.goal {
             Goal::Hull { .. } if suspended => DVL_TO_HULL_DEG,
@@ -170,13 +171,13 @@ impl Inspector {
         self.dvl.step(self.servo_step_deg);
     }
 
-    /// The range to the ship is measured along the log's axis.
+    /// The DVL measures the range to the ship along its axis.
     fn distance_m(&self, vehicle: &Vehicle) -> f64 {
         let turned_to_it = self.dvl.at_deg() > RANGES_ABOVE_DEG;
         self.relative.distance_m(vehicle, turned_to_it)
     }
 
-    /// BPRNS moves coordinates, and not a vehicle that holds its place.
+    /// BPRNS changes the coordinates. A vehicle that stays in place must not move because of it.
     fn reset(&mut self, x_m: f64, y_m: f64, bearing_deg: f64, vehicle: &Vehicle) -> f64 {
         let turned_deg = bearing_deg - self.relative.bearing_deg(vehicle);
         let moved = self.relative.reset(x_m, y_m, bearing_deg, vehicle);
@@ -193,7 +194,8 @@ impl Inspector {
         self.turn_held_bearing(offset_deg);
     }
 
-    /// A bearing that nobody has asked for is held in truth; facing the hull is asked for.
+    /// When the coordinates turn, a bearing that nobody has requested turns with them, so that the vehicle does not. A
+    /// payload has requested to face the hull, so that bearing stays.
     fn turn_held_bearing(&mut self, turned_deg: f64) {
         match &mut self.goal {
             Goal::Stay { bearing_deg, .. } | Goal::Bottom { bearing_deg, .. } => *bearing_deg += turned_deg,
@@ -237,7 +239,7 @@ impl Inspector {
         }
     }
 
-    /// Whether the vehicle has come to where it was sent with this step, as deep as it believes to be.
+    /// Whether the vehicle arrives at its goal in this step, by the depth that it believes to be at.
     fn arrives(&mut self, vehicle: &Vehicle, believed_depth_m: f64) -> bool {
         if self.arrived {
             return false;
@@ -261,7 +263,7 @@ impl Inspector {
 }
 
 impl Hovering {
-    /// A hovering vehicle's truth beside [`crate::Mvc::truth`]; none of other vehicles.
+    /// The truth about a hovering vehicle, in addition to [`crate::Mvc::truth`]; `None` for other vehicles.
     pub(crate) fn truth(&self, vehicle: &Vehicle, mission: &Mission) -> Option<HoveringTruth> {
         let state = self.state.as_ref()?;
         let (x_m, y_m) = state.relative.truth();
@@ -281,13 +283,13 @@ impl Hovering {
         })
     }
 
-    /// Before a step of the vehicle: where the payload that has suspended the mission wants it to go.
+    /// Sets, before a step of the vehicle, where the payload that has suspended the mission wants it to go.
     pub(crate) fn steer(&self, ctx: &Context<'_>, mission: &mut Mission) {
         if let Some(state) = &self.state
             && mission.is_suspended()
         {
             let demand = state.demand(ctx.vehicle);
-            // As it believes its headings to be, like all that it is asked for.
+            // The heading of a demand is one that the vehicle believes, so its bias is added.
             mission.set_hover(HoverDemand {
                 heading_deg: demand.heading_deg + ctx.estimate.heading_bias_deg,
                 ..demand
@@ -295,14 +297,15 @@ impl Hovering {
         }
     }
 
-    /// After a step of the vehicle, before its sensors read: where the log looks now, degrees above the horizontal.
+    /// Turns the devices, after a step of the vehicle and before its sensors read. Returns the angle of the DVL,
+    /// degrees above the horizontal.
     pub(crate) fn turn_devices(&mut self, mission: &Mission) -> Option<f64> {
         let state = self.state.as_mut()?;
         state.turn_devices(mission.is_suspended());
         Some(state.dvl.at_deg())
     }
 
-    /// After a step of the vehicle and of its sensors.
+    /// The service's step, after a step of the vehicle and of its sensors.
     pub(crate) fn step(&mut self, ctx: &mut Context<'_>, mission: &Mission) {
         let Some(state) = &mut self.state else { return };
         state.relative.reckon(ctx.vehicle, ctx.estimate.way);
@@ -314,7 +317,7 @@ impl Hovering {
 }
 
 impl Inspector {
-    /// BFRNV where there is a hull to be relative to, BFCNV, BFPIT.
+    /// Sends BFRNV if there is a hull, BFCNV, and BFPIT.
     fn report(&mut self, ctx: &mut Context<'_>) {
         let (relative, cartesian) = (Topic::RelativeNavigation, Topic::CartesianNavigation);
         if ctx.now >= self.next_relative {
@@ -367,7 +370,8 @@ impl Inspector {
     }
 }
 
-/// The next due time of a periodic message: on its own beat, or from now where steps are rarer than it.
+/// The next due time of a periodic message: a period after the last one, or a period from now if the vehicle's steps
+/// are longer than that.
 fn next_due(due: Timestamp, now: Timestamp, period: Duration) -> Timestamp {
     let next = due + period;
     if next > now { next } else { now + period }

@@ -10,14 +10,14 @@ use crate::event::{DropReason, MvcEventKind};
 use crate::file::{PowerConfig, SHUTDOWN_NOTICE, WorldFile};
 use crate::server::topics::Topic;
 
-/// Standard deviation of the cells' voltages about their mean, volts.
+/// Standard deviation of the cells' voltages, volts.
 const CELL_SPREAD_V: f64 = 0.004;
 
 /// The batteries, and the payload's power (SPI 5.2, 6.8).
 #[derive(Debug)]
 pub(crate) struct Power {
     config: PowerConfig,
-    /// Energy taken out of all batteries, joules.
+    /// Energy taken from all batteries, joules.
     used_j: f64,
     drawn_w: f64,
     /// How far the weakest and the strongest cell of each battery are from the mean, volts.
@@ -64,12 +64,12 @@ impl Power {
         (1.0 - self.used_j / (self.config.capacity_wh * 3600.0)).clamp(0.0, 1.0)
     }
 
-    /// The payload's power goes off a minute from now, or when it was to go off already where that is earlier.
+    /// Schedules the end of the payload's power in one minute, or leaves an earlier schedule.
     pub(crate) fn shut_down(&mut self, now: Timestamp) {
         self.shut_down_at(now + SHUTDOWN_NOTICE);
     }
 
-    /// The payload's power goes off then, or earlier where it was to already.
+    /// Schedules the end of the payload's power, or leaves an earlier schedule.
     fn shut_down_at(&mut self, at: Timestamp) {
         self.shutdown_at = Some(self.shutdown_at.map_or(at, |before| before.min(at)));
     }
@@ -78,7 +78,7 @@ impl Power {
         let charge = self.charge();
         let cells = f64::from(self.config.cells);
         let open_v = open_circuit_v(charge);
-        // The current of all batteries through their resistance side by side, by one step of the fixed point.
+        // The voltage drop of all batteries in parallel at the drawn power, from one fixed-point iteration.
         let sag_v = self.drawn_w / (open_v * cells) * self.config.resistance_ohm / cells;
         let cell_v = (open_v - sag_v).max(0.0);
         let spread = match number.checked_sub(1).and_then(|index| self.spread.get(index as usize)) {
@@ -113,7 +113,7 @@ struct BatteryReading {
 }
 
 impl Power {
-    /// One step of the vehicle. Whether the payload's power goes off with it.
+    /// One step of the vehicle. Returns whether the payload's power goes off in it.
     #[must_use]
     pub(crate) fn step(&mut self, ctx: &mut Context<'_>) -> bool {
         let seconds = ctx.period.as_secs_f64();
@@ -138,7 +138,7 @@ impl Power {
         let water_c = ctx
             .world
             .temperature_c(ctx.vehicle.motion().at, ctx.vehicle.motion().depth_m, ctx.now);
-        // The pseudo battery 0 is for systems with several (SPI 6.8).
+        // The pseudo battery 0 exists only in systems with several batteries (SPI 6.8).
         let first = u32::from(self.config.batteries == 1);
         for number in first..=self.config.batteries {
             let reading = self.status(number, water_c);
@@ -156,7 +156,8 @@ impl Power {
         }
     }
 
-    /// Whether the payload's power goes off now: every client is cut off by it.
+    /// Announces the end of the payload's power, and switches it off when it is due. Returns whether it goes off now.
+    /// Every client is then cut off.
     #[must_use]
     pub(crate) fn watch(&mut self, ctx: &mut Context<'_>) -> bool {
         let low = self
@@ -169,7 +170,7 @@ impl Power {
         let Some(at) = self.shutdown_at else { return false };
         if !self.shutdown_said && ctx.now + SHUTDOWN_NOTICE + ctx.period > at {
             self.shutdown_said = true;
-            // Never less than the notice, even where the time set is that of the next step.
+            // The notice is never shorter, even if the scheduled time is that of the next step.
             self.shutdown_at = Some(at.max(ctx.now + SHUTDOWN_NOTICE));
             let created = ctx.stamp();
             ctx.note(MvcEventKind::ShutdownSoon);
@@ -184,7 +185,7 @@ impl Power {
     }
 }
 
-/// Voltage of a lithium-ion cell without load, volts, by its state of charge from 0 to 1: Chen and Rincon-Mora,
+/// Voltage of a lithium-ion cell without load, volts, for a state of charge from 0 to 1. Source: Chen and Rincon-Mora,
 /// "Accurate electrical battery model capable of predicting runtime and I-V performance", IEEE Transactions on Energy
 /// Conversion 21(2), 2006.
 fn open_circuit_v(charge: f64) -> f64 {

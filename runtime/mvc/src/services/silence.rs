@@ -13,34 +13,34 @@ use crate::file::{SilenceConfig, WorldFile};
 use crate::server::answers::Regarding;
 use crate::vehicle::Drive;
 
-/// How much longer the second acknowledgement is held off where the tailcone has not stopped (SPI 7.22).
+/// How much longer the vehicle waits with the second acknowledgement if the tailcone has not stopped (SPI 7.22).
 const HELD_OFF: Duration = Duration::from_secs(2);
-/// How many requests may wait for their second acknowledgement.
+/// The greatest number of requests that wait for their second acknowledgement.
 const CHANGES_MAX: usize = 64;
 
-/// Silent mode (SPI 7.22), and the tailcone that it asks after.
+/// Silent mode (SPI 7.22), and the state of the tailcone, on which it depends.
 #[derive(Debug)]
 pub(crate) struct Silence {
     config: SilenceConfig,
     stream: Stream,
     changes: VecDeque<Change>,
-    /// When it ends by itself; none where the vehicle is not silent.
+    /// When it ends by itself; `None` if the vehicle is not silent.
     until: Option<Timestamp>,
     /// The tailcone's target state: whether its thruster is on.
     driven: bool,
-    /// A hovering vehicle has none: its thrusters go on in silence.
+    /// Whether the vehicle has a tailcone. A hovering vehicle has none, and its thrusters keep running in silence.
     has_tailcone: bool,
-    /// The tailcone's current state: it spins until then.
+    /// The tailcone's current state: it spins until this time.
     spins_until: Timestamp,
 }
 
-/// What falls silent with the vehicle.
+/// The devices that become silent with the vehicle.
 pub(crate) struct Devices<'a> {
     pub(crate) adjustment: &'a mut Adjustment,
     pub(crate) acoustic: &'a mut Acoustic,
 }
 
-/// A request whose second acknowledgement is still to come.
+/// A request whose second acknowledgement is pending.
 #[derive(Clone, Copy, Debug)]
 struct Change {
     re: Regarding,
@@ -66,7 +66,7 @@ impl Silence {
         self.until.is_some()
     }
 
-    /// What the rest of the vehicle is to know of it.
+    /// What the rest of the vehicle needs to know about silent mode.
     pub(crate) fn quiet(&self, now: Timestamp) -> Quiet {
         Quiet {
             silent: self.is_silent(),
@@ -80,7 +80,7 @@ impl Silence {
         self.has_tailcone && (self.driven || now < self.spins_until)
     }
 
-    /// A connection is gone: its requests are decided and no longer answered.
+    /// Handles the end of a connection: its requests are still decided, but no longer answered.
     pub(crate) fn client_left(&mut self, client: ClientId) {
         for change in self.changes.iter_mut().filter(|change| change.re.client == client) {
             change.re.muted = true;
@@ -101,7 +101,7 @@ impl Silence {
 }
 
 impl Silence {
-    /// BPSIL (SPI 7.22). Both acknowledgements come whatever the setting for other requests.
+    /// BPSIL (SPI 7.22). Both acknowledgements are sent, whatever the setting for other requests is.
     pub(crate) fn request(
         &mut self,
         ctx: &mut Context<'_>,
@@ -114,7 +114,7 @@ impl Silence {
             return;
         }
         if request.silent && !self.is_silent() {
-            // "The target state of the tailcone is checked". It is at rest wherever no mission runs.
+            // "The target state of the tailcone is checked". Without a running mission, it is at rest.
             if self.has_tailcone && self.driven {
                 return failed(ctx, re, "the tailcone is spinning");
             }
@@ -158,11 +158,12 @@ impl Silence {
         }
     }
 
-    /// What moves the vehicle in truth: the thruster is off while the vehicle is silent, while it adjusts its trim or
-    /// buoyancy, and where no speed is asked for.
+    /// What actually moves the vehicle when its mission demands `drive`. The thruster is off while the vehicle is
+    /// silent, while it adjusts its trim or buoyancy, and if no speed is demanded.
     pub(crate) fn quieted(&mut self, ctx: &mut Context<'_>, drive: Drive, devices: &mut Devices<'_>) -> Drive {
         if matches!(drive, Drive::Under(_)) && ctx.mission != Status::Running {
-            // A powered ascent. Bringing the vehicle home comes first; the specification does not speak of it.
+            // This is a powered ascent. It ends silence, because bringing the vehicle home is more important. The
+            // specification does not mention this case.
             self.end(ctx, SilenceEvent::WrapUp);
             devices.adjustment.abandon(ctx);
         }
@@ -179,7 +180,7 @@ impl Silence {
 
     fn enter(&mut self, ctx: &mut Context<'_>, mut change: Change, devices: &mut Devices<'_>) {
         if self.is_silent() {
-            let text = "silent already: the time is not extended";
+            let text = "already silent: the time is not extended";
             return ctx.acknowledge(change.re, AckStatus::Succeeded, text);
         }
         if self.is_spinning(ctx.now) {
@@ -200,11 +201,11 @@ impl Silence {
         ctx.acknowledge(change.re, AckStatus::Succeeded, "");
     }
 
-    /// A request for normal mode overtakes those for silence that are not decided.
+    /// A request for normal mode makes the undecided requests for silence fail.
     fn withdraw(&mut self, ctx: &mut Context<'_>) {
         while let Some(at) = self.changes.iter().position(|change| change.silent) {
             if let Some(change) = self.changes.remove(at) {
-                failed(ctx, change.re, "normal mode was asked for meanwhile");
+                failed(ctx, change.re, "normal mode was requested meanwhile");
             }
         }
     }

@@ -3,7 +3,7 @@ use std::collections::VecDeque;
 
 use backseat_units::Timestamp;
 
-/// A list of seconds after the start as points in time.
+/// Converts a list of seconds after the start to timestamps.
 pub(super) fn times(seconds: &[f64]) -> VecDeque<Timestamp> {
     seconds
         .iter()

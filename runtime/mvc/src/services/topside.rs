@@ -9,7 +9,7 @@ use crate::event::{MvcEventKind, TopsideEvent};
 use crate::file::{TopsideConfig, TopsideEntry, WorldFile};
 use crate::server::answers::Regarding;
 
-/// Above this depth the radio's antenna is out of the water, metres.
+/// The radio's antenna is out of the water if the vehicle is above this depth, metres.
 const SURFACED_M: f64 = 0.3;
 
 /// Text to and from the topside (SPI 5.5, 7.3, 7.14).
@@ -40,8 +40,8 @@ impl Topside {
 }
 
 impl Topside {
-    /// BPTOP (SPI 7.3): may be pending. The slowest link that it names is advice, "such that all topside messages will
-    /// be sent using any communications link".
+    /// BPTOP (SPI 7.3). Its acknowledgement can be pending first. The slowest link that it names is only a
+    /// recommendation, "such that all topside messages will be sent using any communications link".
     pub(crate) fn text(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &TopsideText) {
         if let Transport::Other(code) = request.slowest {
             return ctx.invalid(re, &format!("slowest {code}: expected 0 to 3"));
@@ -54,7 +54,7 @@ impl Topside {
         }
     }
 
-    /// The outcome of a BPTOP: success is that it is queued, not that it is received.
+    /// Decides about a BPTOP. Success means that the text is queued, not that anybody has received it.
     pub(crate) fn decide(&mut self, ctx: &mut Context<'_>, re: Regarding, text: Text) {
         if self.outgoing.len() >= self.config.queue_max as usize {
             return ctx.acknowledge(re, AckStatus::Failed, "too many messages wait for the topside");
@@ -67,7 +67,7 @@ impl Topside {
         ctx.acknowledge(re, AckStatus::Succeeded, "queued");
     }
 
-    /// BPTMR (SPI 7.14). What a relayed message means is not specified: it is logged, and nothing is done.
+    /// BPTMR (SPI 7.14). SPI does not specify what a relayed message means, so the mock only logs it.
     pub(crate) fn relay(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &TopsideRelay) {
         if let Transport::Other(code) = request.transport {
             return ctx.invalid(re, &format!("transport {code}: expected 0 to 3"));
@@ -93,7 +93,7 @@ impl Topside {
         let surfaced = ctx.vehicle.motion().depth_m < SURFACED_M;
         let config = &self.config;
         let transport = if surfaced { config.surfaced } else { config.submerged };
-        // A silent vehicle's acoustic modem does not send: the messages wait (SPI 7.22).
+        // The acoustic modem of a silent vehicle does not send, so the messages wait (SPI 7.22).
         if transport == Transport::AcousticModem && ctx.quiet.silent {
             return;
         }

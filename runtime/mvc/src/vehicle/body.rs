@@ -1,14 +1,14 @@
 use super::{Demand, Drive, Tail, Turn, Vehicle, Vertical};
 use crate::vehicle::sixdof::{Helm, Orders, Steering, Surroundings, Trim};
 
-/// The body with six degrees of freedom under the vehicle. It is called only where there is one.
+/// The connection to the body with six degrees of freedom. These functions do nothing if the vehicle has none.
 impl Vehicle {
     pub(super) fn pilot(&mut self, drive: Drive, dt_s: f64) {
         let Some(piloted) = &mut self.piloted else { return };
         let helm = match drive {
             Drive::Held => Helm::Held,
             Drive::Under(demand) => Helm::Under(orders(&demand)),
-            // Only what hovers is asked to, and that has no such body.
+            // Only hovering vehicles are told to hover, and they never have this body.
             Drive::Adrift | Drive::Hover(_) => Helm::Adrift,
         };
         let around = Surroundings {
@@ -34,7 +34,7 @@ impl Vehicle {
         });
     }
 
-    /// Puts it on the seabed where it is below that.
+    /// Puts the vehicle on the seabed if it is below it.
     pub(super) fn ground(&mut self) {
         let Some(piloted) = &mut self.piloted else { return };
         (self.motion.grounded, self.motion.depth_m) = piloted.ground_at(self.motion.water_depth_m);

@@ -3,16 +3,16 @@ use super::sixdof::Throttle;
 /// What moves the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Drive {
-    /// Held where it is: before its mission.
+    /// Held in place, before its mission.
     Held,
     Under(Demand),
-    /// Any way, as only a hovering vehicle can.
+    /// In any direction. Only a hovering vehicle can do that.
     Hover(HoverDemand),
-    /// Nothing: it drifts and floats up.
+    /// Nothing moves it: it drifts and floats up.
     Adrift,
 }
 
-/// What the vehicle is asked to hold.
+/// The heading, depth and speed that the vehicle must hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Demand {
     pub(crate) turn: Turn,
@@ -20,12 +20,12 @@ pub(crate) struct Demand {
     pub(crate) throttle: Throttle,
 }
 
-/// What the vehicle turns to.
+/// How the vehicle turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Turn {
     /// Degrees from the frame's north.
     Heading(f64),
-    /// Degrees of rudder, positive to starboard (SPI 6.12), held.
+    /// A fixed rudder angle, degrees, positive to starboard (SPI 6.12).
     Rudder(f64),
 }
 
@@ -36,11 +36,11 @@ pub(crate) enum Vertical {
     Altitude(f64),
     /// Degrees, positive up.
     Pitch(f64),
-    /// Degrees of elevator, held; positive lifts the nose (SPI 6.12).
+    /// A fixed elevator angle, degrees, positive lifts the nose (SPI 6.12).
     Elevator(f64),
 }
 
-/// What a hovering vehicle is asked to do where it does not steer like a torpedo: any velocity under any heading.
+/// The demand on a hovering vehicle that does not steer like a torpedo: any velocity with any heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HoverDemand {
     /// Velocity over ground, metres a second east and north, before the limits.
@@ -48,12 +48,12 @@ pub(crate) struct HoverDemand {
     pub(crate) vertical: Vertical,
     /// Degrees from the frame's north.
     pub(crate) heading_deg: f64,
-    /// The most over ground, in all directions together, metres a second.
+    /// The greatest speed over ground, of all three directions together, metres a second.
     pub(crate) speed_max_mps: f64,
 }
 
 impl Throttle {
-    /// Whether the thruster turns ahead at all.
+    /// Whether the thruster turns ahead.
     pub(crate) fn is_on(self) -> bool {
         match self {
             Self::Speed(amount) | Self::Rpm(amount) => amount > 0.0,

@@ -3,27 +3,27 @@ use backseat_units::math::{hypot, sin_cos};
 use super::ship::Ship;
 use super::{HoverDemand, Turn, Vehicle};
 
-/// A ship, and how close the vehicle goes to it, metres.
+/// A ship, and how close to it the vehicle may go, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Obstacle {
     pub(crate) ship: Ship,
     pub(crate) safety_m: f64,
 }
 
-/// The speed towards a hull for each metre beyond the safety distance, per second: from 0.75 m/s it slows at 0.15
-/// m/s2, which the thrusters can do.
+/// The allowed speed towards a hull for each metre beyond the safety distance, per second. At 0.75 m/s this is a
+/// deceleration of 0.15 m/s2, which the thrusters can do.
 const CLEARANCE_GAIN_PER_S: f64 = 0.2;
 
-/// To a hundredth of the speed.
+/// Enough to find the speed to one hundredth.
 const BISECTIONS: u32 = 7;
 
 impl Vehicle {
-    /// Rates of a hovering vehicle: a first-order lag of the velocity through the water in every direction alike. The
-    /// thrusters abreast are taken to be as strong as those ahead.
+    /// Rates of a hovering vehicle: the velocity through the water follows with the same first-order lag in every
+    /// direction. The model assumes that the lateral thrusters are as strong as those ahead.
     pub(super) fn hover(&mut self, demand: &HoverDemand, dt_s: f64) {
         let performance = self.performance;
         let limit_mps = demand.speed_max_mps;
-        // The vertical has the first share of the limit: it keeps the vehicle off the bottom.
+        // The vertical speed takes its share of the limit first, because it keeps the vehicle off the bottom.
         let down_mps = self.wanted_heave_mps(demand.vertical).clamp(-limit_mps, limit_mps);
         let left_mps = (limit_mps * limit_mps - down_mps * down_mps).max(0.0).sqrt();
         let (east_mps, north_mps) = capped(demand.ground, left_mps.min(performance.speed_max_mps));
@@ -46,7 +46,7 @@ impl Vehicle {
         self.heave(down_mps);
         let yaw_rate_dps = self.motion.yaw_rate_dps;
         self.yaw(Turn::Heading(demand.heading_deg));
-        // The velocity stays as it is while the vehicle turns under it.
+        // The velocity keeps its direction while the vehicle turns.
         let heading_deg = self.motion.heading_deg + 0.5 * (yaw_rate_dps + self.motion.yaw_rate_dps) * dt_s;
         let (sin, cos) = sin_cos(heading_deg.to_radians());
         self.motion.surge_mps = water.0 * sin + water.1 * cos;
@@ -57,8 +57,8 @@ impl Vehicle {
         self.obstacle.map_or(0.0, |obstacle| obstacle.safety_m)
     }
 
-    /// Takes what leads into the ship out of the velocity of this step. Water that flows against a hull flows along
-    /// it, and so does what drifts in it.
+    /// Removes the part of this step's velocity that leads into the ship. Water that meets a hull flows along it, and a
+    /// vehicle that drifts in the water does the same.
     pub(super) fn stay_clear(&mut self, safety_m: f64) {
         let (sin, cos) = self.axis;
         let velocity = (self.motion.ground.0, self.motion.ground.1, self.motion.heave_mps);
@@ -74,8 +74,9 @@ impl Vehicle {
         self.motion.sway_mps = water.0 * cos - water.1 * sin;
     }
 
-    /// A velocity (east, north, down) that is kept clear of the ship, and does not take the vehicle into the bottom on the
-    /// way around it: under a keel it may not climb. It goes slower then, down to standing still.
+    /// A velocity (east, north, down) that keeps clear of the ship and does not drive the vehicle into the bottom on
+    /// the way around it, because under a keel the vehicle cannot climb. If needed, the horizontal speed is reduced,
+    /// down to zero.
     fn led(&self, wanted: (f64, f64, f64)) -> (f64, f64, f64) {
         let safety_m = self.safety_m();
         let at_share = |share: f64| self.kept_clear((wanted.0 * share, wanted.1 * share, wanted.2), safety_m);
@@ -83,7 +84,7 @@ impl Vehicle {
             velocity.0 * self.motion.gradient.east_m + velocity.1 * self.motion.gradient.north_m - velocity.2
         };
         let altitude_m = self.motion.water_depth_m - self.motion.depth_m;
-        // Where standing still sinks faster, the way is not at fault.
+        // If the vehicle would sink faster even without horizontal motion, a lower horizontal speed does not help.
         let least_mps = (CLEARANCE_GAIN_PER_S * (self.altitude_min_m - altitude_m)).min(rises_mps(at_share(0.0)));
         let whole = at_share(1.0);
         if rises_mps(whole) >= least_mps {
@@ -101,8 +102,8 @@ impl Vehicle {
         at_share(slow)
     }
 
-    /// A velocity (east, north, down) that comes no closer to the ship than the safety distance, and leaves it where
-    /// it is closer.
+    /// A velocity (east, north, down) that comes no closer to the ship than the safety distance, and leads away from it
+    /// if the vehicle is closer already.
     fn kept_clear(&self, velocity: (f64, f64, f64), safety_m: f64) -> (f64, f64, f64) {
         let Some(obstacle) = &self.obstacle else {
             return velocity;

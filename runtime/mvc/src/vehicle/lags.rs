@@ -4,26 +4,26 @@ use crate::vehicle::performance::Performance;
 const ATTITUDE_TAU_S: f64 = 0.5;
 /// Time constant of the roll, seconds.
 const ROLL_TAU_S: f64 = 1.0;
-/// How fast the vehicle comes to the surface or the bed for each metre that is left, per second: half a metre a second is
-/// stopped within a metre, at a quarter of a metre a second squared at most.
+/// The greatest speed towards the surface or the bed for each metre that is left, per second. It stops half a metre a
+/// second within a metre, with at most a quarter of a metre a second squared.
 const STOP_GAIN_PER_S: f64 = 0.5;
-/// With less than this many steps to stop in, it would come to a stop beyond.
+/// The greatest stopping gain per step. With a greater one, the vehicle would overshoot.
 const STOP_GAIN_PER_STEP: f64 = 0.34;
 
-/// What the time constants come to in a step, kept because every step is as long.
+/// The time constants as shares of one step. They are stored because all steps have the same length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lags {
     pub(super) dt_s: f64,
-    /// The part of the way that a first-order lag goes in a step: of the speed, the turn, the depth rate, the rates of pitch
-    /// and roll.
+    /// The share of the remaining difference that a first-order lag removes in a step, for the speed, the turn, the
+    /// depth rate, and the rates of pitch and roll.
     pub(super) surge: f64,
     pub(super) yaw: f64,
     pub(super) heave: f64,
     pub(super) attitude: f64,
-    /// Rate asked for a degree of pitch, or of roll, per second.
+    /// Demanded rate per degree of error in pitch or in roll, per second.
     pub(super) pitch_per_s: f64,
     pub(super) roll_per_s: f64,
-    /// Steps until a pitch is there.
+    /// Number of steps until a pitch is reached.
     pub(super) pitch_steps: f64,
     pub(super) stop_per_s: f64,
 }

@@ -2,7 +2,7 @@ use backseat_units::EastNorth;
 
 use super::sixdof::Actuators;
 
-/// How the vehicle is and moves after a step, and the sea where it is: the truth.
+/// The true position, attitude and motion of the vehicle after a step, and the sea at its position.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub(crate) at: EastNorth,
@@ -11,7 +11,7 @@ pub(crate) struct Motion {
     pub(crate) heading_deg: f64,
     /// Along its own axis.
     pub(crate) surge_mps: f64,
-    /// To starboard: what the water's changes leave a torpedo for a while.
+    /// To starboard. A torpedo has some for a while after the current changes.
     pub(crate) sway_mps: f64,
     /// Depth rate, positive down.
     pub(crate) heave_mps: f64,
@@ -27,12 +27,12 @@ pub(crate) struct Motion {
     pub(crate) water_depth_m: f64,
     pub(crate) gradient: EastNorth,
     pub(crate) grounded: bool,
-    /// What the tail does; none where the model has none.
+    /// The state of the tail; `None` if the model has no tail.
     pub(crate) tail: Option<Tail>,
 }
 
 impl Motion {
-    /// At rest over ground, in water that nobody has looked at yet.
+    /// At rest over ground, before the water at this position has been read.
     pub(super) fn at_rest(at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
         Self {
             at,
@@ -56,7 +56,7 @@ impl Motion {
     }
 }
 
-/// Rudder, elevator and thruster, as they are and as they have been told to be.
+/// Rudder, elevator and thruster: their state, and what they were ordered to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tail {
     pub(crate) now: Actuators,

@@ -2,29 +2,30 @@ use backseat_plan::{VehicleClass, VehicleLimits};
 
 /// What a vehicle can do, as a first-order model.
 ///
-/// The figures are typical of vehicles of these sizes, put together from public data sheets and common sense. They
-/// are not the maker's, and no vehicle has validated them: they are good for timing and room to turn, not for trim.
+/// The figures are typical of vehicles of these sizes, from public data sheets and common sense. They do not come from
+/// the manufacturer, and nobody has compared them with a vehicle. They are good enough for timing and room to turn, but
+/// not for trim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Performance {
-    /// The slowest that it steers and holds depth, metres a second; 0 where it hovers.
+    /// The least speed at which it steers and holds its depth, metres a second; 0 for a hovering vehicle.
     pub speed_min_mps: f64,
-    /// The fastest through the water, metres a second.
+    /// The greatest speed through the water, metres a second.
     pub speed_max_mps: f64,
-    /// The deepest, metres.
+    /// The greatest depth, metres.
     pub depth_max_m: f64,
     /// Time constant of the speed, seconds.
     pub surge_tau_s: f64,
-    /// The most that the speed changes, metres a second squared.
+    /// The greatest change of speed, metres a second squared.
     pub surge_accel_mps2: f64,
-    /// The fastest turn, degrees a second. Slower than [`Performance::turn_radius_m`] lets it the vehicle turns more
-    /// slowly.
+    /// The fastest turn, degrees a second. At a low speed, [`Performance::turn_radius_m`] makes the turn slower.
     pub yaw_rate_max_dps: f64,
-    /// The narrowest turn through the water, metres: two to three lengths of the vehicle, whatever its speed, for the
-    /// force of a rudder and that of the water against the turn fall alike. 0 where it turns on the spot.
+    /// The smallest radius of a turn through the water, metres: two to three lengths of the vehicle. It does not depend
+    /// on the speed, because the force of the rudder and the resistance of the water fall in the same way. 0 for a
+    /// vehicle that turns on the spot.
     pub turn_radius_m: f64,
     /// Time constant of the turn, seconds.
     pub yaw_tau_s: f64,
-    /// Turn asked for a degree of heading error, per second.
+    /// Demanded rate of turn per degree of heading error, per second.
     pub yaw_gain_per_s: f64,
     /// The steepest climb and dive, degrees; a hovering vehicle does not pitch.
     pub pitch_max_deg: f64,
@@ -32,17 +33,18 @@ pub struct Performance {
     pub pitch_rate_max_dps: f64,
     /// The fastest climb and dive, metres a second.
     pub depth_rate_max_mps: f64,
-    /// Time constant of the depth rate, seconds: of the pitch that makes it, where the vehicle does not hover.
+    /// Time constant of the depth rate, seconds. For a vehicle that does not hover, it is the time constant of the
+    /// pitch that causes the depth rate.
     pub heave_tau_s: f64,
-    /// Depth rate asked for a metre of depth error, per second.
+    /// Demanded depth rate per metre of depth error, per second.
     pub depth_gain_per_s: f64,
-    /// How fast it floats up where nothing holds it down, metres a second.
+    /// How fast it floats up if nothing holds it down, metres a second.
     pub buoyant_rise_mps: f64,
-    /// Turns of the thruster a minute for each metre a second: what commands in rpm are read by.
+    /// Turns of the thruster a minute for each metre a second. It converts commands in rpm.
     pub rpm_per_mps: f64,
-    /// The greatest angle of rudder and elevator either way, degrees; of no meaning where it hovers.
+    /// The greatest angle of rudder and elevator to either side, degrees. It has no meaning for a hovering vehicle.
     pub fin_max_deg: f64,
-    /// Whether it turns and holds depth without way on.
+    /// Whether it turns and holds its depth without speed.
     pub hovers: bool,
 }
 
@@ -149,7 +151,7 @@ impl Performance {
         }
     }
 
-    /// Speed that turns of the thruster a minute make, metres a second.
+    /// The speed that the thruster makes at so many turns a minute, metres a second.
     pub(crate) fn speed_mps(&self, rpm: f64) -> f64 {
         rpm / self.rpm_per_mps
     }
@@ -164,12 +166,14 @@ impl Performance {
             .min(self.yaw_rate_max_dps)
     }
 
-    /// Turn at full way that a rudder makes: in proportion to its angle, the fastest at the greatest.
+    /// The rate of turn at full speed for a rudder angle, degrees a second. It is proportional to the angle, and the
+    /// greatest angle gives the fastest turn.
     pub(crate) fn rudder_dps(&self, rudder_deg: f64) -> f64 {
         (rudder_deg / self.fin_max_deg).clamp(-1.0, 1.0) * self.yaw_rate_max_dps
     }
 
-    /// Pitch that an elevator makes: in proportion to its angle, the steepest at the greatest.
+    /// The pitch for an elevator angle, degrees. It is proportional to the angle, and the greatest angle gives the
+    /// steepest pitch.
     pub(crate) fn elevator_pitch_deg(&self, elevator_deg: f64) -> f64 {
         (elevator_deg / self.fin_max_deg).clamp(-1.0, 1.0) * self.pitch_max_deg
     }

@@ -47,15 +47,16 @@ impl Ship {
         }
     }
 
-    /// Whether the inspected side has plating so far from midships, at this depth.
+    /// Whether the inspected side has plating at this distance from midships and at this depth.
     pub(crate) fn has_plating(&self, along_m: f64, depth_m: f64) -> bool {
         along_m.abs() <= self.half_length_m && depth_m <= self.draft_m
     }
 
-    /// Distance from the hull, metres, negative inside; and the unit vector straight away from it: east, north, down.
+    /// Distance from the hull, metres, negative inside, and the unit vector directly away from the hull (east, north,
+    /// down).
     ///
-    /// The signed distance of a box (Ericson, *Real-Time Collision Detection*, 2004, section 5.1). It is convex, so
-    /// that a step which does not approach along that vector comes no closer.
+    /// The signed distance of a box (Ericson, *Real-Time Collision Detection*, 2004, section 5.1). It is a convex
+    /// function of the place, so a step that does not approach along that vector comes no closer.
     pub(crate) fn clearance(&self, at: EastNorth, depth_m: f64) -> (f64, (f64, f64, f64)) {
         let from = at - self.centre;
         let ahead_m = from.east_m * self.sin + from.north_m * self.cos;
@@ -71,7 +72,7 @@ impl Ship {
             let clearance_m = squared.sqrt();
             (clearance_m, outside.map(|metres| metres / clearance_m))
         } else {
-            // Inside, the nearest face is the way out.
+            // Inside, the vector leads out through the nearest face.
             let greatest = beyond[0].max(beyond[1]).max(beyond[2]);
             (greatest, beyond.map(|metres| f64::from(u8::from(metres >= greatest))))
         };
@@ -87,10 +88,11 @@ impl Ship {
         )
     }
 
-    /// How far the plating under water is from outside along a direction (a unit vector east, north, down), metres; none
-    /// where that leads past the ship.
+    /// Distance from a place outside the ship to its plating under water along a direction (a unit vector east, north,
+    /// down), metres. `None` if the direction misses the ship.
     ///
-    /// The way through a box is what is common to the ways through its slabs (Ericson, section 5.3.3).
+    /// The part of a line inside a box is the intersection of its parts inside the box's slabs (Ericson, section
+    /// 5.3.3).
     pub(crate) fn ahead_m(&self, at: EastNorth, depth_m: f64, direction: (f64, f64, f64)) -> Option<f64> {
         let from = at - self.centre;
         let (east, north, down) = direction;
@@ -173,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_beam_ends_at_the_first_plate_or_passes() {
+    fn a_beam_ends_at_the_first_plate_or_misses() {
         let ship = ship(ShipSide::Starboard);
         let slant = (0.0, 0.6, 0.8);
         for (east, north, depth, direction, ahead) in [
@@ -183,7 +185,7 @@ mod tests {
             (21.0, -8.0, 2.0, (0.0, 1.0, 0.0), None),
             (0.0, -6.2, 2.0, slant, Some(2.0)),
             (0.0, -8.0, 2.0, slant, None),
-            // Through the surface before it is there.
+            // The beam reaches the surface before it reaches the ship.
             (0.0, -8.0, 2.0, (0.0, 0.6, -0.8), None),
             (3.0, 1.0, 9.0, (0.0, 0.0, -1.0), Some(4.0)),
         ] {
@@ -198,7 +200,7 @@ mod tests {
 
     #[test]
     fn positions_count_from_the_side_that_is_inspected() {
-        // The bow points east: starboard is south.
+        // The bow points east, so starboard is south.
         let starboard = ship(ShipSide::Starboard);
         assert!(starboard.reference().distance_m(EastNorth::new(0.0, -5.0)) < 1e-9);
         assert!((starboard.inward_deg() - 0.0).abs() < 1e-9);

@@ -2,28 +2,28 @@
 //!
 //! The equations are Fossen's for a body in an irrotational current, written in the velocity through the water
 //! (*Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed., 2021, sections 3.3, 6.3, 8.1 and 8.4.2). The
-//! numbers are the published ones of the REMUS 100, in `coefficients`. They describe that vehicle and nobody has
-//! compared them with a Bluefin: good for how a small torpedo answers its fins, not for any vehicle's trim.
+//! numbers are the published ones of the REMUS 100, in `coefficients`. They describe that vehicle, and nobody has
+//! compared them with a Bluefin. They show how a small torpedo responds to its fins, but not the trim of any vehicle.
 //!
-//! Three layers, each usable by itself:
-//! - [`SixDof`]: fins and propeller in, motion out;
-//! - [`autopilot::Autopilot`]: heading, depth, pitch, speed in, fins and propeller out;
-//! - [`Piloted`]: both, in the sea that it is in and within a body's limits: what the mock flies where the world says
-//!   `model = "6-dof"`.
+//! There are three layers, and each can be used alone:
+//! - [`SixDof`]: fins and propeller in, motion out.
+//! - [`autopilot::Autopilot`]: heading, depth, pitch and speed in, fins and propeller out.
+//! - [`Piloted`]: both, in the sea around it and within a vehicle's limits. The mock flies it if the world has `model =
+//!   "6-dof"`.
 //!
-//! How much to believe: drag and propulsion are calibrated with measurements on REMUS vehicles, mass and added mass follow
-//! from the shape, and the damping is its author's judgement. The turn is the least certain: Prestero's coefficients of
-//! an earlier body, with weight and buoyancy equal, turn in 6 to 9 m at 1.3 m/s with 4 to 12 degrees of rudder, and the
-//! model flown here in 19 to 44 m at 1.6 m/s with 15 to 5 degrees.
+//! How reliable it is: drag and propulsion are calibrated with measurements on REMUS vehicles, mass and added mass
+//! follow from the shape, and the damping is its author's judgement. The turn is the least certain. Prestero's
+//! coefficients, for an earlier body with equal weight and buoyancy, give a radius of 6 to 9 m at 1.3 m/s with 4 to 12
+//! degrees of rudder. The model used here has 19 to 44 m at 1.6 m/s with 15 to 5 degrees.
 //!
-//! It is integrated at 50 Hz, whatever the vehicle's own step is: a tick of 100 ms is five steps of the body, of its
-//! autopilot and of its tail.
+//! The equations are integrated at 50 Hz, whatever the step of the mock is: a step of 100 ms is five steps of the body,
+//! of its autopilot and of its tail.
 //!
-//! Axes: the body's are forward, starboard, down; the world's are north, east, down. No trigonometry of attitude
-//! angles is in the equations: the attitude is a unit quaternion, and a pitch of 90 degrees is like any other.
+//! The body's axes are forward, starboard, down; the world's axes are north, east, down. The attitude is a unit
+//! quaternion, so the equations contain no trigonometry of attitude angles, and a pitch of 90 degrees is like any
+//! other.
 //!
-//! Deliberately absent: waves, the body half out of the water, ground effect, fins that stall, a propeller that
-//! cavitates.
+//! Deliberately absent: waves, a body half out of the water, ground effect, stalling fins, a cavitating propeller.
 
 mod actuators;
 mod attitude;
@@ -52,29 +52,29 @@ use forces::{BodyVelocity, acceleration, excess_for_rise};
 /// The longest step of the integrator, seconds: 50 Hz.
 pub(crate) const STEP_MAX_S: f64 = 0.02;
 
-/// The body, its tail, and how it moves.
+/// The body, its tail, and its motion.
 #[derive(Clone, Debug)]
 pub(crate) struct SixDof {
     coefficients: Coefficients,
     state: State,
     tail: Tail,
-    /// Water's velocity of the last step, north, east, down; none before the first.
+    /// Velocity of the water in the last step: north, east, down; `None` before the first step.
     water: Option<Vector3<f64>>,
     /// By how much buoyancy exceeds weight when submerged, newtons.
     excess_n: f64,
 }
 
-/// What is integrated.
+/// The integrated state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct State {
     /// North, east, down, metres.
     at: Vector3<f64>,
     attitude: Attitude,
-    /// Through the water.
+    /// Velocity through the water.
     velocity: BodyVelocity,
 }
 
-/// The change of a state in a second.
+/// The change of a state per second.
 #[derive(Clone, Copy, Debug)]
 struct Rate {
     at: Vector3<f64>,
@@ -104,7 +104,7 @@ impl Rate {
 }
 
 impl SixDof {
-    /// A vehicle at rest in the water, level, its buoyancy `excess_n` newtons over its weight.
+    /// A vehicle at rest in the water and level. Its buoyancy exceeds its weight by `excess_n` newtons.
     #[must_use]
     pub(crate) fn new(at: EastNorth, depth_m: f64, heading_deg: f64, excess_n: f64) -> Self {
         Self {
@@ -120,7 +120,7 @@ impl SixDof {
         }
     }
 
-    /// As [`SixDof::new`], with the buoyancy that floats it up level at `rise_mps`.
+    /// As [`SixDof::new`], with the buoyancy with which it floats up at `rise_mps` while level.
     #[must_use]
     pub(crate) fn rising_at(at: EastNorth, depth_m: f64, heading_deg: f64, rise_mps: f64) -> Self {
         let mut vehicle = Self::new(at, depth_m, heading_deg, 0.0);
@@ -128,12 +128,13 @@ impl SixDof {
         vehicle
     }
 
-    /// Moves by `dt_s` seconds with the tail ordered to `command` and the water moving at `current` (east, north, down;
-    /// metres a second). Steps longer than [`STEP_MAX_S`] are divided. A time that is not positive and finite moves nothing.
+    /// Moves by `dt_s` seconds, with `command` as the order to the tail and `current` as the velocity of the water
+    /// (east, north, down; metres a second). Steps longer than [`STEP_MAX_S`] are divided. A time that is not positive
+    /// and finite has no effect.
     ///
-    /// The integrator is the classical Runge-Kutta one of fourth order: at 50 Hz its error is far below that of the
-    /// coefficients (the fastest motion, roll, turns 6 rad/s), where semi-implicit Euler is off by centimetres a minute
-    /// in a turn. The tail's lag is solved exactly and its mean over the step drives the body.
+    /// The integrator is the classical Runge-Kutta method of fourth order. At 50 Hz its error is far below that of the
+    /// coefficients (the fastest motion, roll, has 6 rad/s); semi-implicit Euler is off by centimetres a minute in a
+    /// turn. The tail's lag is solved exactly, and its mean over the step drives the body.
     pub(crate) fn step(&mut self, command: Actuators, current: (f64, f64, f64), dt_s: f64) {
         if !dt_s.is_finite() || dt_s <= 0.0 {
             return;
@@ -147,7 +148,7 @@ impl SixDof {
         }
     }
 
-    /// Stops it over ground where it is, its tail too. What lets it go finds it at rest there, and the water in motion.
+    /// Stops the body and its tail. It is then at rest over ground, and when it is released the water moves past it.
     pub(crate) fn stay(&mut self) {
         self.state.velocity = BodyVelocity::zeros();
         self.state.attitude = Attitude::level(self.state.attitude.heading_rad());
@@ -155,7 +156,7 @@ impl SixDof {
         self.water = Some(Vector3::zeros());
     }
 
-    /// Puts it on a seabed at `water_depth_m` if it is below that. Whether it is there.
+    /// Puts it on a seabed at `water_depth_m` if it is below that. Returns whether it is on the seabed.
     pub(crate) fn ground_at(&mut self, water_depth_m: f64) -> bool {
         let grounded = self.state.at.z >= water_depth_m;
         if grounded {
@@ -165,7 +166,7 @@ impl SixDof {
         grounded
     }
 
-    /// Where it is in the world's frame.
+    /// Its position in the world's frame.
     #[must_use]
     pub(crate) fn at(&self) -> EastNorth {
         EastNorth::new(self.state.at.y, self.state.at.x)
@@ -223,18 +224,18 @@ impl SixDof {
         (roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees())
     }
 
-    /// Where the fins and the propeller are now, which lags what was ordered.
+    /// The present state of fins and propeller, which lags behind the orders.
     #[must_use]
     pub(crate) fn tail(&self) -> Actuators {
         self.tail.now()
     }
 
-    /// As floats it up level at `rise_mps` when submerged; negative sinks.
+    /// Sets the buoyancy with which it floats up at `rise_mps` while level and submerged; with a negative one it sinks.
     pub(crate) fn float_at(&mut self, rise_mps: f64) {
         self.excess_n = excess_for_rise(&self.coefficients, rise_mps).copysign(rise_mps);
     }
 
-    /// Kinetic energy through the water, added mass included, and of righting, joules.
+    /// Kinetic energy through the water, including added mass, plus the potential energy of righting, joules.
     #[cfg(test)]
     pub(crate) fn energy_j(&self) -> f64 {
         self.coefficients.kinetic_j(&self.state.velocity) + self.coefficients.righting_j(self.state.attitude.down().z)
@@ -276,8 +277,9 @@ impl SixDof {
         }
     }
 
-    /// Where the water's motion changes, the vehicle's own inertia keeps its velocity over ground. A current that is no
-    /// number is the one of before; past [`THROUGH_MAX_MPS`] the change carries the vehicle at once.
+    /// If the water's velocity changes, the vehicle's inertia keeps its velocity over ground at first. A current that
+    /// is not finite is ignored, and the one before stays. The part of a change beyond [`THROUGH_MAX_MPS`] moves the
+    /// vehicle at once.
     fn carry_over(&mut self, current: (f64, f64, f64)) {
         let water = Vector3::new(current.1, current.0, current.2);
         if water.iter().any(|value| !value.is_finite()) {
@@ -294,7 +296,7 @@ impl SixDof {
         self.water = Some(water);
     }
 
-    /// Takes out the vertical part of its velocity over ground where `stops` says so.
+    /// Removes the vertical part of its velocity over ground if `stops` returns true for it.
     fn stop_vertical(&mut self, stops: impl Fn(f64) -> bool) {
         let (_, _, down_mps) = self.ground_velocity();
         if stops(down_mps) {
@@ -310,13 +312,14 @@ fn linear(velocity: &BodyVelocity) -> Vector3<f64> {
     velocity.fixed_rows::<3>(0).into_owned()
 }
 
-/// The fastest through the water, metres a second: three times what it can swim. Cross-flow drag brakes in 1/50 s there,
-/// and a faster flow than about twice that is more than a step at 50 Hz can follow.
+/// The greatest speed through the water, metres a second: three times its own greatest speed. There cross-flow drag
+/// acts within 1/50 s, and steps at 50 Hz cannot follow a flow of more than about twice that speed.
 const THROUGH_MAX_MPS: f64 = 8.0;
 
-/// What a lag has brought down to this moves nothing any more, in any unit. Left to itself it becomes a subnormal number,
-/// and every sum with those takes a processor a hundred times as long.
+/// A value below this is set to zero. It is too small to matter in any unit, but a lag would turn it into a subnormal
+/// number, and a processor needs a hundred times as long for arithmetic with those.
 const AT_REST: f64 = 1e-30;
 
-/// Square of the cosine of pitch under which the rates of roll and heading are not followed further: 87 degrees.
+/// The least square of the cosine of pitch in the rates of roll and heading: beyond a pitch of 87 degrees they are
+/// bounded and not exact.
 const COS2_PITCH_LEAST: f64 = 0.0027;

@@ -72,7 +72,7 @@ fn a_packet_outside_of_a_window_is_ignored() {
         let ignored = payload
             .log()
             .iter()
-            .any(|line| line.ends_with("packet 41 of client 1 ignored: outside of a window"));
+            .any(|line| line.ends_with("packet 41 of client 1 ignored: outside a window"));
         assert_eq!(ignored, !sent);
         payload.until(at_s + 5.0_f64.min(30.0 - at_s) - 0.05);
     }
@@ -91,7 +91,7 @@ fn a_sent_packet_is_reported_with_its_own_identifier() {
     let mut payload = in_window("", PEER);
     payload.say("$BPCPD,070000.000,4711,3,1,0,2,48656C6C6F,00FF,,,,,,");
     payload.until(20.0);
-    // Half a second of latency, a second a frame.
+    // The latency is half a second, and each frame takes a second.
     assert_eq!(
         payload.heard(),
         [
@@ -110,11 +110,12 @@ fn a_sent_packet_is_reported_with_its_own_identifier() {
 // 9.4: "If the payload desires an ack'd response to the packet being sent, set the flag to 1, and the vehicle will wait
 // to send the $BFCPS message until the ack has been received."
 #[test]
-fn an_acknowledged_packet_is_reported_once_the_acknowledgement_is_there() {
+fn an_acknowledged_packet_is_reported_once_the_acknowledgement_has_arrived() {
     let mut payload = in_window("", PEER);
     payload.say("$BPCPD,070000.000,5,3,1,1,1,0A,,,,,,,");
     payload.until(25.0);
-    // Sent by 13.5 s; two seconds of sound, half a second to turn around, a second of acknowledgement.
+    // The packet is sent by 13.5 s. Then the sound takes two seconds, the peer half a second to turn around, and the
+    // acknowledgement one second.
     assert_eq!(payload.heard()[1], "$BFCPS,080017.000,080012.500,5,1,2,0,0,0,0,0,0,0");
     let unacked = |acoustic: &str, peers: &str, interpretation: &str| {
         let text = (with(acoustic) + peers).replace("[spi]", &format!("[interpretation]\n{interpretation}\n[spi]"));
@@ -124,8 +125,8 @@ fn an_acknowledged_packet_is_reported_once_the_acknowledgement_is_there() {
         payload.until(29.0);
         of(&payload.heard(), "BFCPS").pop().unwrap()
     };
-    // Eight seconds after the packet it has failed: nobody there, one that does not answer, one that hears nothing, one
-    // that is too far away.
+    // Without an acknowledgement the report comes eight seconds after the packet: there is no peer, one that does not
+    // answer, one that hears nothing, one that is too far away.
     let none = "$BFCPS,080021.500,080012.500,5,1,1,0,0,0,0,0,0,0";
     assert_eq!(unacked("", "", ""), none);
     assert_eq!(unacked("", &format!("{PEER}acknowledges = false\n"), ""), none);
@@ -136,10 +137,10 @@ fn an_acknowledged_packet_is_reported_once_the_acknowledgement_is_there() {
 }
 
 #[test]
-fn what_does_not_fit_into_the_window_is_reported_as_not_sent() {
+fn a_packet_that_does_not_fit_into_the_window_is_reported_as_not_sent() {
     let mut payload = in_window("", PEER);
     payload.until(28.0);
-    // 1.5 s fit, then 2.5 s do not.
+    // The first packet takes 1.5 s and fits; the second takes 2.5 s and does not.
     payload.say("$BPCPD,070000.000,1,3,1,0,1,0A,,,,,,,");
     payload.say("$BPCPD,070001.000,2,3,1,0,2,0A,0B,,,,,,");
     payload.until(40.0);
@@ -250,7 +251,7 @@ fn a_silent_vehicle_sends_nothing() {
     assert!(payload.heard().last().unwrap().ends_with(",1,0,the vehicle is silent"));
     payload.until(80.0);
     let heard = payload.heard();
-    // The packet under way is through; the one that waited is not sent, nor does another window begin.
+    // The packet under way is sent. The waiting one is not, and no other window begins.
     let sent = of(&heard, "BFCPS");
     assert_eq!(sent.len(), 2, "{heard:?}");
     assert!(sent[0].contains(",2,3,3,3,3,0"), "{sent:?}");
@@ -260,13 +261,13 @@ fn a_silent_vehicle_sends_nothing() {
         payload
             .log()
             .iter()
-            .any(|line| line.ends_with("acoustic window left out: the vehicle is silent"))
+            .any(|line| line.ends_with("acoustic window skipped: the vehicle is silent"))
     );
 }
 
 // 9.2: "The message will also be sent for every packet that the vehicle has originated."
 #[test]
-fn the_vehicles_own_packets_are_reported_and_keep_out_of_the_windows() {
+fn the_vehicles_own_packets_are_reported_and_avoid_the_windows() {
     let mut payload = Payload::connected(&with("own_period_s = 15\nown_request_first = 900"), 1, &["CPS"]);
     payload.until(100.0);
     let heard = payload.heard();
@@ -289,11 +290,11 @@ fn sending(peer: &str, packet: &str) -> String {
 // 9.3: arrival time, source, destination ("may NOT be this vehicle"), telemetry mode, frames; "The remaining slots for
 // frames will be blank for the data, and unset (0) for the status."
 #[test]
-fn packets_of_another_vehicle_arrive_after_their_way() {
+fn packets_of_another_vehicle_arrive_after_their_travel_time() {
     let packet = "first_s = 20\nperiod_s = 30\nmode = 2\nframes = [\"48656C6C6F\", \"00ff\"]";
     let mut payload = Payload::connected(&(with("") + &sending("", packet)), 1, &["CPR"]);
     payload.until(60.0);
-    // A second of sound, two of frames.
+    // The sound takes a second, and the frames take two.
     assert_eq!(
         payload.heard(),
         [
@@ -301,7 +302,8 @@ fn packets_of_another_vehicle_arrive_after_their_way() {
             "$BFCPR,080053.000,080053.000,3,7,2,2,1,48656C6C6F,1,00FF,0,,0,,0,,0,,0,,0,"
         ]
     );
-    // To somebody else, once, from 750 m: it arrives between two steps, and says when.
+    // This packet goes to another vehicle, once, from 750 m: it arrives between two steps of the mock, and has its
+    // exact time.
     let packet = "first_s = 20.03\ndestination = 4\nmode = -1\nframes = [\"0A\"]";
     let near = sending("", packet).replace("1500", "750");
     let mut payload = Payload::connected(&(with("") + &near), 1, &["CPR"]);
@@ -313,7 +315,7 @@ fn packets_of_another_vehicle_arrive_after_their_way() {
 }
 
 #[test]
-fn a_peer_that_moves_is_heard_later_and_later() {
+fn packets_of_a_peer_that_moves_away_arrive_later_and_later() {
     let packet = "first_s = 20\nperiod_s = 100\nframes = [\"0A\"]";
     let text = with("") + &sending("east_mps = 1.5\n", packet);
     let mut payload = Payload::connected(&text, 1, &["CPR"]);
@@ -323,7 +325,7 @@ fn a_peer_that_moves_is_heard_later_and_later() {
         .iter()
         .map(|line| number(&field(line, 2)[4..], 0) + 60.0 * number(&field(line, 2)[2..4], 0))
         .collect();
-    // 1500 m and 1.5 m more each second: a millisecond of sound a second.
+    // 1500 m, and 1.5 m more each second: the sound takes a millisecond more each second.
     assert_eq!(arrived, [22.02, 122.12, 222.22, 322.32]);
 }
 
@@ -348,14 +350,14 @@ fn frames_are_corrupted_or_undecodable_and_packets_lost_by_chance() {
             other => panic!("status {other}"),
         }
     }
-    // The same seed, the same losses.
+    // The same seed gives the same losses.
     let mut again = Payload::connected(&text, 5, &["CPR"]);
     again.until(8010.0);
     assert_eq!(again.heard(), heard);
 }
 
 #[test]
-fn what_arrives_while_the_modem_sounds_is_not_heard() {
+fn a_packet_that_arrives_while_the_modem_sends_is_not_heard() {
     let packet = "first_s = 12.4\nframes = [\"0A\"]";
     let text = with("") + &sending("", packet);
     let mut payload = Payload::connected(&text, 1, &["CPR"]);
@@ -367,6 +369,6 @@ fn what_arrives_while_the_modem_sounds_is_not_heard() {
         payload
             .log()
             .iter()
-            .any(|line| line.ends_with("packet of modem 3 was not heard"))
+            .any(|line| line.ends_with("packet from modem 3 was not heard"))
     );
 }

@@ -27,7 +27,7 @@ fn trim_is_adjusted_with_periodic_status() {
     payload.until(60.0);
     let heard = payload.heard();
     let status = of(&heard, "BFTRM");
-    // 1.5 degrees of pitch, at 0.05 a second, to within 0.1.
+    // 1.5 degrees of pitch, at 0.05 degrees a second, to within 0.1 degrees.
     assert!((28..31).contains(&status.len()), "{status:?}");
     let (last, running) = status.split_last().unwrap();
     assert!(running.iter().all(|line| line.contains(",1,0,adjusting,")));
@@ -35,8 +35,8 @@ fn trim_is_adjusted_with_periodic_status() {
     assert!((seconds(&running[1]) - seconds(&running[0]) - 1.0).abs() < 0.11);
     assert!(last.contains(",2,0,complete,") && number(last, 5).abs() <= 0.1 && number(last, 6).abs() <= 0.1);
     assert_eq!(of(&heard, "BFMBE"), [format!("$BFMBE,{},,,,trim", field(last, 1))]);
-    // Level now: "If it is detected that no adjustment is necessary, the behavior will immediately complete
-    // successfully."
+    // The vehicle is level now: "If it is detected that no adjustment is necessary, the behavior will immediately
+    // complete successfully."
     payload.say("$BPTRM,070001.000");
     let heard = payload.heard();
     assert_eq!(
@@ -105,8 +105,8 @@ fn adjustments_are_refused_with_their_reason() {
     );
 }
 
-// 7.23: "$BFTRM must be registered using the $BPLOG command before requesting the trim behavior": whether it fails
-// otherwise is open.
+// 7.23: "$BFTRM must be registered using the $BPLOG command before requesting the trim behavior". The specification
+// leaves open whether the request fails otherwise.
 #[test]
 fn the_status_message_may_have_to_be_on() {
     let text = waiting("").replace("[spi]", "[interpretation]\nadjustment_needs_status = true\n[spi]");
@@ -174,14 +174,14 @@ fn an_adjustment_fails_at_its_limit_or_by_chance() {
 // "The implemented buoyancy algorithm will adjust the buoyancy after it is detected that the vehicle has stopped moving
 // forward."
 #[test]
-fn in_a_mission_it_waits_for_the_vehicle_to_stop_and_the_plan_goes_on_afterwards() {
+fn in_a_mission_an_adjustment_waits_for_the_vehicle_to_stop_and_the_plan_goes_on_afterwards() {
     let mut payload = Payload::connected(CALM, 1, TOPICS);
     payload.until(60.0);
     payload.heard();
     payload.say("$BPRMB,070000.000,,,,0,0,");
     payload.until(61.4);
     payload.say("$BPBOY,070001.000");
-    // The tailcone's own 1.5 s.
+    // The tailcone takes 1.5 s to stop.
     assert!(
         payload
             .heard()
@@ -209,7 +209,7 @@ fn in_a_mission_it_waits_for_the_vehicle_to_stop_and_the_plan_goes_on_afterwards
     assert!(seconds(first) >= stopped - 0.01, "{first} {stopped}");
     assert_eq!(of(&heard, "BFMBE").len(), 1, "{heard:?}");
     assert!(status.iter().any(|line| line.contains(",2,0,complete,")));
-    // The plan's line is flown again.
+    // The vehicle flies the plan's line again.
     assert!(payload.mvc.truth().speed_mps > 1.5);
 }
 
@@ -241,7 +241,7 @@ fn a_powered_ascent_does_not_wait_for_an_adjustment() {
     payload.until(30.0);
     payload.say("$BPBOY,070000.000");
     payload.until(69.0);
-    // The mission's clock runs, and the thruster is off.
+    // The mission's time runs although the thruster is off.
     assert!(payload.mvc.truth().speed_mps < 0.05);
     payload.heard();
     payload.until(80.0);
@@ -255,7 +255,7 @@ fn a_powered_ascent_does_not_wait_for_an_adjustment() {
 
 // 7.24: "It is possible that the vehicle may perform implicit buoyancy adjustments".
 #[test]
-fn the_vehicle_adjusts_by_itself_and_gives_way() {
+fn the_vehicle_adjusts_by_itself_and_stops_for_a_request() {
     let mut payload = Payload::connected(&waiting("implicit_at_s = [5]"), 1, TOPICS);
     payload.until(10.0);
     let heard = payload.heard();
@@ -263,12 +263,12 @@ fn the_vehicle_adjusts_by_itself_and_gives_way() {
     assert!(of(&heard, "BFBOY").last().unwrap().contains(",1,0,adjusting,"));
     payload.say("$BPTRM,070000.000");
     let heard = payload.heard();
-    assert!(heard[0].starts_with("$BFBOY,080010.000,3,2,canceled: another was asked for,"));
+    assert!(heard[0].starts_with("$BFBOY,080010.000,3,2,canceled: another was requested,"));
     assert_eq!(heard[1], "$BFACK,080010.000,TRM,070000.000,0,2,0,");
 }
 
 #[test]
-fn a_vehicle_that_is_neutral_no_longer_floats_up() {
+fn a_neutrally_buoyant_vehicle_does_not_float_up() {
     let mission = CALM.replace("starts_after_s = 1", "starts_after_s = 1\ntime_limit_s = 100");
     let rise = |buoyancy: &str| {
         let text = mission.replace("[spi]", &format!("[adjustment]\n{buoyancy}\n[spi]"));

@@ -5,19 +5,20 @@ use crate::files::CALM;
 use crate::payload::Payload;
 use crate::sentences::{field, off, with};
 
-/// A vehicle under way whose navigation is so far off, metres east, and believes itself good to about 5 m each way.
+/// A vehicle under way whose navigation is this many metres too far east, and takes itself to be good to about 5 m each
+/// way.
 fn astray(east_m: f64) -> Payload {
     let text = with(CALM, "sensors.gps", "error_m = 5");
     let mut payload = Payload::connected(&text, 1, &["NVG", "ACK"]);
     payload.until(100.0);
-    // From where it is astray already, to just there.
+    // Moves the error of navigation from its present value to exactly that one.
     let line = payload.heard().pop().expect("navigation");
     let way = EastNorth::new(east_m, 0.0) - off(&payload, &line);
     payload.mvc.fail_sensor(SensorFailure::Jump(way));
     payload
 }
 
-/// BPNPU of a place so far east of where the vehicle is, with this accuracy and this age.
+/// Sends a BPNPU of this place, with this accuracy and these times, and returns the acknowledgements.
 fn fix(payload: &mut Payload, at: EastNorth, error_m: &str, force: u8, times: (&str, &str)) -> Vec<String> {
     let position = payload.mvc.frame().to_position(at);
     let angle = |degrees: f64, width: usize| {
@@ -55,7 +56,7 @@ const SAME: (&str, &str) = ("120000.000", "120000.000");
 
 /// SPI 7.21: "provides the vehicle with an additional navigation fix".
 #[test]
-fn a_fix_moves_the_navigation_by_its_accuracy() {
+fn a_fix_moves_the_navigation_according_to_its_accuracy() {
     let moved = |error_m: &str| {
         let mut payload = astray(6.0);
         let truth = payload.mvc.truth().local;
@@ -67,7 +68,8 @@ fn a_fix_moves_the_navigation_by_its_accuracy() {
         );
         6.0 - now_off(&mut payload).east_m
     };
-    // The circle of half the fixes is 1.177 standard deviations: as good as the navigation itself it goes half the way.
+    // The circle that contains half the fixes has a radius of 1.177 standard deviations. A fix as good as the
+    // navigation itself moves it half the way.
     assert!((moved("5.887") - 3.0).abs() < 0.05, "{}", moved("5.887"));
     assert!(moved("0.5") > 5.8, "{}", moved("0.5"));
     let poor = moved("50");
@@ -84,7 +86,7 @@ fn after_a_fix_the_navigation_trusts_itself_more() {
         fix(&mut payload, truth, "5.887", 0, SAME);
         left.push(now_off(&mut payload).east_m);
     }
-    // A half, a third, a quarter of the way.
+    // The fixes remove a half, a third and a quarter of what is left.
     for (index, share) in [(1, 0.5), (2, 2.0 / 3.0), (3, 0.75)] {
         assert!((left[index] / left[index - 1] - share).abs() < 0.03, "{left:?}");
     }
@@ -117,8 +119,8 @@ fn an_outlier_is_refused_unless_it_is_forced() {
 }
 
 #[test]
-fn the_limit_of_outliers_is_in_standard_deviations_of_both() {
-    // 5 m each way and 5 m each way make 7.07: five of those are 35.4 m.
+fn the_outlier_limit_counts_the_standard_deviations_of_fix_and_navigation() {
+    // 5 m of the fix and 5 m of the navigation, each way, make 7.07 m: five times that is 35.4 m.
     for (metres, status) in [(34.9, ",2,0,"), (35.9, ",1,0,")] {
         let mut payload = astray(metres);
         let truth = payload.mvc.truth().local;
@@ -127,10 +129,10 @@ fn the_limit_of_outliers_is_in_standard_deviations_of_both() {
     }
 }
 
-/// SPI 7.21: the fix is of its own time, and a USBL's is seconds old when it comes. The age is counted by the payload's
-/// clock, which differs by hours from the vehicle's here and is never a reason to refuse.
+/// SPI 7.21: a fix has a time of its own, and that of a USBL is seconds old when it arrives. Its age is measured on the
+/// payload's clock. Here that differs by hours from the vehicle's clock, which is never a reason to refuse.
 #[test]
-fn an_old_fix_is_of_where_the_vehicle_was() {
+fn an_old_fix_counts_for_the_place_where_the_vehicle_was() {
     let mut payload = astray(4.0);
     let then = payload.mvc.truth().local;
     payload.until(110.0);
@@ -138,13 +140,13 @@ fn an_old_fix_is_of_where_the_vehicle_was() {
     assert!(way_m > 19.0);
     let acks = fix(&mut payload, then, "0.2", 0, ("000004.000", "235954.000"));
     assert!(acks[0].contains(",2,0,"), "over midnight: {acks:?}");
-    // It steers back to its line meanwhile, so that what counts is how far off it is now.
+    // The vehicle steers back to its line meanwhile, so the test looks at the error that navigation has now.
     let off = now_off(&mut payload);
     assert!(off.distance_m(EastNorth::default()) < 0.3, "{off:?}");
 }
 
 #[test]
-fn age_makes_a_fix_worth_less_and_then_nothing() {
+fn a_fix_counts_less_with_its_age_and_then_not_at_all() {
     let text_off = |age: &str| {
         let mut payload = astray(4.0);
         let then = payload.mvc.truth().local;
@@ -213,9 +215,9 @@ fn the_vehicle_steers_by_the_navigation_that_a_fix_has_moved() {
     assert!(east_m.abs() < 1.0, "{east_m}");
 }
 
-/// SPI 7.15: the payload's CTD data aid the navigation; without a sensor BFSVS is estimated by them (6.4).
+/// SPI 7.15: the payload's CTD data aid the navigation. Without a sensor the vehicle estimates BFSVS from them (6.4).
 #[test]
-fn a_payloads_ctd_data_are_logged_and_make_the_speed_of_sound() {
+fn a_payloads_ctd_data_are_logged_and_give_the_speed_of_sound() {
     let text = with(CALM, "sensors", "ctd_fitted = false");
     let mut payload = Payload::connected(&text, 1, &["SVS", "ACK"]);
     payload.until(10.5);
@@ -232,7 +234,7 @@ fn a_payloads_ctd_data_are_logged_and_make_the_speed_of_sound() {
     );
     payload.until(70.4);
     assert!((field(&payload.heard().pop().expect("a value"), 2) - 1506.66).abs() < 0.05);
-    // A minute after they came they are no longer used.
+    // A minute after their arrival the data are no longer used.
     payload.until(71.5);
     assert_eq!(field(&payload.heard().pop().expect("a value"), 2), 1500.0);
 }

@@ -1,7 +1,7 @@
 use crate::files::CALM;
 use crate::payload::{Payload, done, line};
 
-/// The command messages of a run, each with its second.
+/// The command messages with these names that the payload has received, without their time.
 fn told(payload: &mut Payload, names: &[&str]) -> Vec<String> {
     payload
         .heard()
@@ -14,7 +14,7 @@ fn told(payload: &mut Payload, names: &[&str]) -> Vec<String> {
 /// SPI 5.1: "will be sent by the Bluefin vehicle when executing user-defined behaviors in the mission file"; nobody has
 /// subscribed (4.3: command messages are always sent).
 #[test]
-fn a_command_of_the_plan_is_told_at_once_and_the_mission_goes_on() {
+fn a_command_of_the_plan_is_sent_at_once_and_the_mission_goes_on() {
     let text = CALM.replacen(
         "[[plan]]",
         "[[plan]]\nkind = \"command\"\ntext = \"sonar on\"\n[[plan]]",
@@ -65,7 +65,7 @@ fn logging_begins_with_the_lead_in_and_ends_after_the_lead_out() {
     );
 }
 
-/// Every BFBDL has its BFSDL, however the line ends, and a line that is resumed begins its logging anew.
+/// Every BFBDL has its BFSDL, however the line ends, and a line that is resumed begins its logging again.
 #[test]
 fn logging_ends_with_the_line_however_it_ends() {
     let text = CALM.replace("kind = \"trackline\"", "kind = \"trackline\"\npayload_message = \"x\"");
@@ -86,7 +86,7 @@ fn logging_ends_with_the_line_however_it_ends() {
     }
 }
 
-/// SPI 7.5: an inserted trackline is flown "with the payloads activated", by the setting.
+/// SPI 7.5: an inserted trackline is flown "with the payloads activated", depending on the setting.
 #[test]
 fn an_inserted_line_may_be_logged_too() {
     for (setting, count) in [("true", 2), ("false", 0)] {
@@ -100,7 +100,7 @@ fn an_inserted_line_may_be_logged_too() {
 }
 
 #[test]
-fn a_plan_that_cannot_be_told_is_refused_with_its_key() {
+fn an_invalid_plan_is_refused_with_its_key() {
     let command = "kind = \"command\"\ntext = \"on\"";
     for (from, to, fault) in [
         ("", "kind = \"command\"", "a command needs `text`"),
@@ -154,9 +154,9 @@ fn a_plan_that_cannot_be_told_is_refused_with_its_key() {
     }
 }
 
-/// SPI 5.1: a mission file may hold user-defined behaviors alone.
+/// SPI 5.1: a mission file may contain only user-defined behaviors.
 #[test]
-fn a_plan_of_commands_alone_is_over_as_it_begins() {
+fn a_plan_of_only_commands_is_over_as_soon_as_it_begins() {
     let (head, _) = CALM.split_once("[[plan]]").expect("the file has a plan");
     let command = "[[plan]]\nkind = \"command\"\ntext = \"on\"\ndynamic = true\n";
     let mut payload = Payload::connected(&format!("{head}{}", command.repeat(500)), 1, &["CTL", "MIS"]);
@@ -169,5 +169,10 @@ fn a_plan_of_commands_alone_is_over_as_it_begins() {
         "no control in between"
     );
     assert_eq!(heard.len(), 502);
-    assert!(payload.log().iter().any(|line| line.ends_with("payload is told: on")));
+    assert!(
+        payload
+            .log()
+            .iter()
+            .any(|line| line.ends_with("mission command to every client: on"))
+    );
 }

@@ -7,7 +7,7 @@ use backseat_mvc::{Activity, MvcEventKind, Source};
 use crate::files::CALM;
 use crate::payload::{Payload, line};
 
-/// What becomes of an insert, as the log has it.
+/// What happened to an insert, according to the log.
 #[derive(Debug, Default)]
 struct Fate {
     accepted: u32,

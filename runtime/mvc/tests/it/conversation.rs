@@ -1,7 +1,7 @@
 use crate::files::CALM;
 use crate::payload::{ME, Payload};
 
-/// Each sentence and all that the vehicle says to it, five seconds into the mission.
+/// Sentences, and everything that the vehicle answers to each, five seconds into the mission.
 const TABLE: &[(&str, &[&str])] = &[
     ("$BPVER,070000.000,1.12", &["$BFACK,080005.000,VER,070000.000,0,2,0,"]),
     (
@@ -31,7 +31,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     (
         "$BPRMB,070000.123,,,,1.5,,",
-        &["$BFACK,080005.000,RMB,070000.123,0,0,0,speed_mode: empty beside a speed"],
+        &["$BFACK,080005.000,RMB,070000.123,0,0,0,speed_mode: required with speed"],
     ),
     (
         "$BPRMB,070000.123,5,,,,,1",
@@ -138,7 +138,7 @@ fn a_command_that_does_not_parse_keeps_its_name_and_names_the_field() {
 }
 
 #[test]
-fn clients_as_they_are_in_the_field_are_understood() {
+fn the_formats_of_real_clients_are_understood() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(5.0);
     // LF alone, no checksum, lower-case and unpadded checksums, two at once, one in pieces.
@@ -151,14 +151,14 @@ fn clients_as_they_are_in_the_field_are_understood() {
 }
 
 #[test]
-fn without_acknowledgements_on_nothing_is_answered() {
+fn nothing_is_answered_until_acknowledgements_are_on() {
     let mut payload = Payload::connected(CALM, 1, &[]);
     payload.until(5.0);
     for (said, _) in TABLE.iter().filter(|(said, _)| !said.contains(",ON")) {
         payload.say(said);
     }
     assert_eq!(payload.heard(), Vec::<String>::new());
-    // ALL leaves it out (SPI 7.1); asked for by name, it is itself acknowledged.
+    // ALL does not include BFACK (SPI 7.1). The subscription of BFACK by its name is itself acknowledged.
     payload.say("$BPLOG,ALL,ON");
     assert_eq!(payload.heard(), Vec::<String>::new());
     payload.say("$BPLOG,ACK,ON");

@@ -7,7 +7,7 @@ use crate::files::LIVELY;
 
 const ALL: &[u8] = b"$BPLOG,ALL,ON\r\n$BPLOG,ACK,ON\r\n";
 
-/// Every write of a run with some conversation, with its time, and the end of the vehicle.
+/// Every write of a run with some conversation, each with its time, and the mock at the end of the run.
 fn run(seed: u64, seconds: u64, messages: &[u8]) -> (Vec<u8>, Mvc) {
     let file = WorldFile::from_toml(LIVELY).expect("the test's file is right");
     let mut mvc = Mvc::new(&file, seed).expect("the test's world is possible");

@@ -1,8 +1,8 @@
 use backseat_mvc::{Mvc, WorldFile};
 
-/// What is written for people to copy must be read.
+/// The mock must accept the files that people copy from the page.
 #[test]
-fn the_files_of_the_documentation_are_flown() {
+fn the_mock_accepts_the_files_of_the_documentation() {
     let text = include_str!("../../../docs/mock.md");
     let files: Vec<&str> = text
         .split("```toml\n")
@@ -18,7 +18,7 @@ fn the_files_of_the_documentation_are_flown() {
     }
 }
 
-/// The longer file says what the defaults are.
+/// The longer file states the defaults.
 #[test]
 fn the_documented_defaults_are_the_defaults() {
     let text = include_str!("../../../docs/mock.md");

@@ -1,9 +1,9 @@
-//! Dollar signs inside what a client sends: in a text, or where a sentence was cut short by the next one.
+//! Dollar signs inside what a client sends: in a text, or because the next sentence cut one short.
 
 use crate::files::CALM;
 use crate::payload::{ME, Payload};
 
-/// The sum is computed here anew: the tests share no code with the reader.
+/// The test computes the checksum itself, because it shares no code with the reader.
 fn checked(body: &str) -> String {
     format!("${body}*{:02X}", body.bytes().fold(0, |sum, byte| sum ^ byte))
 }
@@ -14,9 +14,9 @@ fn connected() -> Payload {
     payload
 }
 
-// SPI 4.2 reserves comma and asterisk, and no dollar sign: operators write it.
+// SPI 4.2 reserves comma and asterisk, but not the dollar sign, and operators write it.
 #[test]
-fn a_status_with_a_dollar_sign_is_acknowledged_in_whatever_pieces_it_comes() {
+fn a_status_with_a_dollar_sign_is_acknowledged_in_pieces_of_any_size() {
     let status = checked("BPSTS,070000.000,1,battery $2 of $5");
     for piece in [1, 2, 7, status.len() + 2] {
         let mut payload = connected();
@@ -43,7 +43,7 @@ fn a_status_that_follows_a_cut_sentence_is_acknowledged() {
 
 // Nothing shows that this is one sentence: what begins at its last dollar sign is answered.
 #[test]
-fn without_a_checksum_a_dollar_sign_begins_anew() {
+fn without_a_checksum_a_dollar_sign_begins_a_new_sentence() {
     let mut payload = connected();
     payload.say("$BPSTS,070000.000,1,battery $5");
     let heard = payload.heard();
@@ -56,7 +56,7 @@ fn without_a_checksum_a_dollar_sign_begins_anew() {
 
 // 7.14: a line of the payload's modem, with a checksum of its own.
 #[test]
-fn a_relayed_modem_line_is_taken_whole() {
+fn a_relayed_modem_line_is_accepted_as_a_whole() {
     let line = "$CCRXD,1,2,0,48656C6C6F*5B";
     let mut payload = connected();
     payload.say(&checked(&format!("BPTMR,070000.000,3,{line}")));

@@ -2,6 +2,7 @@ use crate::files::{CALM, LIVELY};
 use crate::payload::Payload;
 use crate::sentences::{field, heard, with};
 
+/// SPI 6.13: forward, to starboard and down; ranges along four beams of 30 degrees.
 #[test]
 fn the_doppler_log_measures_along_the_vehicles_axes() {
     let text = CALM.replace("[sensors]", "[current]\nspeed_mps = 0.3\ntowards_deg = 90\n[sensors]");
@@ -9,7 +10,7 @@ fn the_doppler_log_measures_along_the_vehicles_axes() {
     let line = lines.last().expect("a reading");
     let truth = payload.mvc.truth();
     let heading = truth.heading_deg.to_radians();
-    // On a level course; the frame's convergence is nothing here.
+    // The course is level, and the frame's convergence is zero here.
     let (north, east) = (truth.north_mps, truth.east_mps);
     let forward = north * backseat_units::math::cos(heading) + east * backseat_units::math::sin(heading);
     let starboard = east * backseat_units::math::cos(heading) - north * backseat_units::math::sin(heading);
@@ -24,6 +25,7 @@ fn the_doppler_log_measures_along_the_vehicles_axes() {
     }
 }
 
+/// SPI 6.14: on vehicles that do not hover the first three are the axes' and the fourth the error velocity.
 #[test]
 fn the_extended_message_has_axes_on_torpedoes_and_beams_on_hovering_hulls() {
     let mut payload = Payload::connected(LIVELY, 1, &["DVL", "DV2"]);
@@ -50,7 +52,7 @@ fn the_extended_message_has_axes_on_torpedoes_and_beams_on_hovering_hulls() {
 }
 
 #[test]
-fn without_bottom_lock_the_log_gives_ranges_to_nothing_and_perhaps_the_water() {
+fn without_bottom_lock_the_dvl_gives_no_ranges_and_if_configured_the_velocity_through_the_water() {
     let deep = with(CALM, "sensors", "altitude_range_m = 20");
     let (_, lines) = heard(&deep, 1, "DVL", 20.0, 60.0);
     assert!(lines.iter().all(|line| line.contains(",,,,,,,")), "{:?}", lines[0]);
@@ -67,13 +69,13 @@ fn without_bottom_lock_the_log_gives_ranges_to_nothing_and_perhaps_the_water() {
 }
 
 #[test]
-fn lock_ends_at_reach_blanking_tilt_and_with_two_beams() {
+fn bottom_lock_ends_at_the_limits_of_reach_blanking_and_tilt_and_with_two_beams() {
     let locked = |text: &str, from_s, to_s| {
         let (_, lines) = heard(text, 1, "NVG", from_s, to_s);
         let with = lines.iter().filter(|line| field(line, 7) > 0.0).count();
         (with, lines.len())
     };
-    // 50 m above the bottom, at the very ends of the reach.
+    // The vehicle is 50 m above the bottom, just within and just out of the reach.
     for (key, expected) in [
         ("altitude_range_m = 50.5", true),
         ("altitude_range_m = 49.5", false),
@@ -83,12 +85,13 @@ fn lock_ends_at_reach_blanking_tilt_and_with_two_beams() {
         let (with_lock, all) = locked(&with(CALM, "sensors", key), 100.0, 110.0);
         assert_eq!(with_lock, if expected { all } else { 0 }, "{key}");
     }
-    // Diving at 17 degrees.
+    // The vehicle dives at 17 degrees.
     let (with_lock, all) = locked(&with(CALM, "sensors.dvl", "tilt_max_deg = 10"), 4.0, 25.0);
     assert!(with_lock > 0 && with_lock < all - 50, "{with_lock} of {all}");
     let (with_lock, all) = locked(CALM, 4.0, 25.0);
     assert_eq!(with_lock, all);
-    // Pitched, two beams of four look out of the reach: there is no lock although the altitude is within.
+    // When the vehicle is pitched, two of the four beams are out of reach: there is no lock although the altitude is
+    // within it.
     let (with_lock, all) = locked(&with(CALM, "sensors", "altitude_range_m = 61"), 4.0, 12.0);
     assert!(with_lock < all - 10, "{with_lock} of {all}");
 }
@@ -104,7 +107,7 @@ fn single_beams_are_lost_at_their_rate() {
         .count() as f64;
     let share = lost / (4 * lines.len()) as f64;
     assert!((0.08..0.12).contains(&share), "{share}");
-    // Two of four: no velocity. 5.2 % of the readings.
+    // With two of four beams lost there is no velocity, in 5.2 % of the readings.
     let none = lines.iter().filter(|line| line.split(',').nth(2) == Some("")).count() as f64;
     let share = none / lines.len() as f64;
     assert!((0.03..0.08).contains(&share), "{share}");
@@ -128,14 +131,14 @@ fn losses_of_bottom_lock_come_at_their_rate_and_last_their_time() {
         without += lines.iter().filter(|line| field(line, 7) == 0.0).count();
         all += lines.len();
     }
-    // 4000 s: 133 losses of 2 s, less what falls into one another.
+    // 4000 s have 133 losses of 2 s, less those that overlap.
     assert!((95..165).contains(&losses), "{losses}");
     let share = without as f64 / all as f64;
     assert!((0.045..0.085).contains(&share), "{share}");
 }
 
 #[test]
-fn a_log_without_a_phased_array_errs_as_the_speed_of_sound_does() {
+fn a_dvl_without_a_phased_array_has_the_error_of_the_speed_of_sound() {
     let text = with(
         &with(CALM, "sensors", "ctd_fitted = false"),
         "sensors.sound",

@@ -24,7 +24,7 @@ fn triggering(dvl: &str) -> Payload {
 // SPI 7.4: "it should first send this message with the request field set to 1 and the currently triggering field set to
 // 0. When it is safe to begin external triggering, the Bluefin vehicle will send a BFDVT message".
 #[test]
-fn the_vehicle_gives_leave_once_it_is_safe() {
+fn the_vehicle_permits_triggering_once_it_is_safe() {
     let mut payload = Payload::connected(&with("safe_after_s = 3"), 1, &["ACK"]);
     payload.until(1.0);
     payload.say("$BPDVR,070000.000,1,0");
@@ -40,7 +40,7 @@ fn the_vehicle_gives_leave_once_it_is_safe() {
 // "The former [0,1] will elicit a stop triggering command from the Bluefin vehicle after which the payload should
 // respond with a request=0, triggering=0 message." The latter, 0,0, does not.
 #[test]
-fn the_payload_ends_it_in_two_ways() {
+fn the_payload_can_end_external_triggering_in_two_ways() {
     let mut payload = triggering("");
     payload.until(10.0);
     payload.say("$BPDVR,070002.000,0,1");
@@ -69,7 +69,7 @@ fn the_payload_ends_it_in_two_ways() {
 // payload may indicate that it still wishes to be in external trigger mode with this response. In this case, the
 // vehicle will re-enter external triggering mode as soon as is possible".
 #[test]
-fn the_vehicle_stops_it_and_begins_again_where_it_is_still_wished() {
+fn the_vehicle_stops_external_triggering_and_resumes_it_if_the_payload_still_wants_it() {
     let mut payload = triggering("stop_at_s = [10]\nstop_for_s = 7");
     payload.until(9.9);
     assert_eq!(dvt(&mut payload), Vec::<String>::new());
@@ -81,7 +81,7 @@ fn the_vehicle_stops_it_and_begins_again_where_it_is_still_wished() {
     payload.until(17.0);
     assert_eq!(dvt(&mut payload), ["$BFDVT,080017.000,1"]);
 
-    // Not wished any more.
+    // The payload no longer wants it.
     let mut payload = triggering("stop_at_s = [10]");
     payload.until(10.5);
     payload.heard();
@@ -89,7 +89,7 @@ fn the_vehicle_stops_it_and_begins_again_where_it_is_still_wished() {
     payload.until(60.0);
     assert_eq!(dvt(&mut payload), Vec::<String>::new());
 
-    // It answers late: it may begin a second after its answer.
+    // The payload answers late, and may begin a second after its answer.
     let mut payload = triggering("stop_at_s = [10]");
     payload.until(40.0);
     payload.heard();
@@ -99,7 +99,7 @@ fn the_vehicle_stops_it_and_begins_again_where_it_is_still_wished() {
 }
 
 #[test]
-fn a_stop_while_nothing_is_triggered_only_delays() {
+fn a_stop_before_the_permission_only_delays_it() {
     let mut payload = Payload::connected(&with("stop_at_s = [1.5]\nstop_for_s = 7"), 1, &[]);
     payload.until(1.0);
     payload.say("$BPDVR,070000.000,1,0");
@@ -128,12 +128,12 @@ fn without_pulses_for_five_seconds_the_dvl_is_triggered_internally() {
     payload.until(7.1);
     assert!(reverted(&mut payload).unwrap().starts_with("7.000 s"));
     assert_eq!(dvt(&mut payload), ["$BFDVT,080002.000,1"]);
-    // It may ask again.
+    // The payload may ask again.
     payload.say("$BPDVR,070002.000,1,0");
     payload.until(9.0);
     assert_eq!(dvt(&mut payload), ["$BFDVT,080008.100,1"]);
 
-    // A line that is dead for less than that, and for more.
+    // The triggering line is dead for less than five seconds, and then for more.
     let mut payload = triggering("line_faults = [{ at_s = 10, for_s = 4.5 }, { at_s = 20.05, for_s = 30 }]");
     payload.until(24.9);
     assert_eq!(reverted(&mut payload), None);
@@ -144,7 +144,7 @@ fn without_pulses_for_five_seconds_the_dvl_is_triggered_internally() {
     payload.until(30.0);
     assert!(reverted(&mut payload).unwrap().starts_with("4.000 s"));
 
-    // Announced, where the mission's reading says so.
+    // The vehicle announces it if `dvl_timeout_announced` is set.
     let text =
         with("payload_triggers = false").replace("[spi]", "[interpretation]\ndvl_timeout_announced = true\n[spi]");
     let mut payload = Payload::connected(&text, 1, &[]);
@@ -155,7 +155,7 @@ fn without_pulses_for_five_seconds_the_dvl_is_triggered_internally() {
 }
 
 #[test]
-fn a_payload_that_is_gone_triggers_no_more() {
+fn a_payload_that_has_disconnected_no_longer_triggers() {
     let mut payload = triggering("");
     payload.until(10.0);
     payload.mvc.disconnect(payload.now, ME);
@@ -169,14 +169,14 @@ fn a_payload_that_is_gone_triggers_no_more() {
 }
 
 #[test]
-fn triggering_without_leave_is_refused() {
+fn triggering_without_permission_is_refused() {
     let mut payload = Payload::connected(&with(""), 1, &["ACK"]);
     payload.until(1.0);
     payload.say("$BPDVR,070000.000,1,1");
     assert_eq!(
         payload.heard(),
         [
-            "$BFACK,080001.000,DVR,070000.000,0,1,0,triggering without leave",
+            "$BFACK,080001.000,DVR,070000.000,0,1,0,triggering not permitted",
             "$BFDVT,080001.000,0"
         ]
     );
@@ -186,7 +186,7 @@ fn triggering_without_leave_is_refused() {
 
 #[test]
 fn every_other_message_of_the_handshake_changes_nothing() {
-    // Internal: 0,0. Asked: again, then withdrawn.
+    // While triggering is internal: 0,0. While a request waits: the request again, and then its withdrawal.
     let mut payload = Payload::connected(&with("safe_after_s = 5"), 1, &[]);
     payload.say("$BPDVR,070000.000,0,0");
     payload.say("$BPDVR,070001.000,1,0");
@@ -200,10 +200,10 @@ fn every_other_message_of_the_handshake_changes_nothing() {
     payload.say("$BPDVR,070002.000,0,0");
     payload.until(30.0);
     assert_eq!(dvt(&mut payload), Vec::<String>::new());
-    // Internal, and it says that it triggers and wants to end: it is told to cease.
+    // While triggering is internal, the payload says that it triggers and wants to end: the vehicle tells it to stop.
     payload.say("$BPDVR,070003.000,0,1");
     assert_eq!(dvt(&mut payload), ["$BFDVT,080030.000,0"]);
-    // Told to stop, it goes on, and stops then.
+    // The payload goes on after the vehicle has told it to stop, and stops later.
     let mut payload = triggering("stop_at_s = [10]");
     payload.until(11.0);
     payload.heard();

@@ -34,8 +34,9 @@ fn elements() -> String {
     format!("{head}{ELEMENTS}")
 }
 
-/// SPI 7.10: "premature termination of the currently-executing behavior. Control passes immediately to the next behavior";
-/// 7.11: the same of the "Planner-level mission element". What is said at which second, and the course of behaviors.
+/// SPI 7.10: "premature termination of the currently-executing behavior. Control passes immediately to the next
+/// behavior"; 7.11: the same for the "Planner-level mission element". A case has what the payload says at which second,
+/// and the sequence of behaviors that must follow.
 #[test]
 fn a_behavior_and_an_element_are_cancelled_and_the_next_begins_at_once() {
     type Case = (&'static str, &'static [(u32, &'static str)], &'static [&'static str]);
@@ -108,7 +109,8 @@ fn a_behavior_and_an_element_are_cancelled_and_the_next_begins_at_once() {
     }
 }
 
-/// SPI 7.10, 7.11: the way that an insert took is no reason to miss the element after it.
+/// SPI 7.10, 7.11: after a cancelled insert the vehicle goes on with the next element or resumes the interrupted one,
+/// and skips none.
 #[test]
 fn a_cancelled_interruption_goes_on_or_resumes() {
     for (reading, expected) in [
@@ -161,7 +163,7 @@ fn cancels_fail_without_control_and_with_a_reserved_field_that_is_set() {
     }
 }
 
-/// SPI 6.24: BFCTL falls as allowDynamicRequests does, also where a cancel makes it fall.
+/// SPI 6.24: BFCTL becomes 0 when allowDynamicRequests becomes false, also because of a cancel.
 #[test]
 fn control_follows_a_cancel_at_once() {
     let mut payload = Payload::connected(CALM, 1, &["CTL"]);
@@ -243,7 +245,7 @@ fn an_abort_wraps_up_with_control_or_without() {
         payload.say("$BPABT,070000.000,again,1");
         let again = payload.heard();
         let why = if wrap_up == "surface" {
-            "the mission is ending already"
+            "the mission is already ending"
         } else {
             "no mission is running"
         };
@@ -356,7 +358,7 @@ fn an_empty_mission_does_what_the_payload_asks_and_nothing_else() {
     );
     assert!(truth.local.east_m > 50.0);
     assert_eq!(truth.activity, Activity::Modified { number: None, id: None });
-    // Silence: it drifts to the surface, and the mission that was loaded has not started.
+    // When the payload is silent, the vehicle drifts to the surface. The mission that was loaded has not started.
     payload.until(250.0);
     let truth = payload.mvc.truth();
     assert!(truth.speed_mps < 0.01 && truth.depth_m < 0.1, "{truth:?}");
@@ -384,7 +386,7 @@ fn an_empty_mission_does_what_the_payload_asks_and_nothing_else() {
 
 /// SPI 7.20: "Maximum mission duration (hours, minutes or seconds)".
 #[test]
-fn an_empty_mission_has_its_longest_time_and_its_refusals() {
+fn an_empty_mission_has_a_maximum_duration_and_is_refused_with_a_reason() {
     let allowed = CALM.replace("[mission]", "[mission]\nempty_allowed = true");
     let cases = [
         (
@@ -435,7 +437,8 @@ fn an_empty_mission_has_its_longest_time_and_its_refusals() {
     }
 }
 
-/// SPI 7.20 "Must be finalized with end, abort, or kill": a second one may follow, with its identifiers anew.
+/// SPI 7.20 "Must be finalized with end, abort, or kill": a second mission may follow, and may use the identifiers
+/// again.
 #[test]
 fn an_empty_mission_may_follow_another_mission() {
     let text = CALM.replace("[mission]", "[mission]\nempty_allowed = true");

@@ -9,7 +9,7 @@ use crate::payload::{ME, Payload};
 const RMB: &str = "$BPRMB,070000.000,90,15,0,1.5,1,0";
 const RTK: &str = "$BPRTK,070000.000,11,4218.1,N,07054.0,W,4218.2,N,07054.0,W,0,10,1.5,0,0";
 
-/// The calm world with these faults in its own section, each `kind = ..., key = ...` a line.
+/// The calm world with these faults, each in a section of its own. A `; ` in a fault begins a new line.
 fn with(faults: &[&str]) -> String {
     let sections: Vec<String> = faults
         .iter()
@@ -32,7 +32,7 @@ fn navigation(lines: &[String]) -> Vec<&String> {
 }
 
 #[test]
-fn each_begin_and_end_is_a_line_of_the_log_at_its_own_time() {
+fn each_begin_and_end_of_a_fault_is_logged_at_its_time() {
     let mut payload = connected(
         &[
             "kind = \"stall\"; at_s = 2.345; for_s = 1; client = 7; direction = \"to_vehicle\"",
@@ -52,19 +52,19 @@ fn each_begin_and_end_is_a_line_of_the_log_at_its_own_time() {
     assert_eq!(
         of_faults(&mut payload),
         [
-            "2.345 s: fault 1 begins: stall on the link to the vehicle of client 7",
+            "2.345 s: fault 1 begins: stall on the link to the vehicle for client 7",
             "2.345 s: fault 2 begins: acknowledgements of RMB 1 s late",
             "2.456 s: fault 2 ends: acknowledgements of RMB 1 s late",
-            "3.000 s: fault 3 begins: link of all cut",
-            "3.000 s: fault 3 ends: link of all cut",
-            "3.345 s: fault 1 ends: stall on the link to the vehicle of client 7",
+            "3.000 s: fault 3 begins: link cut for all clients",
+            "3.000 s: fault 3 ends: link cut for all clients",
+            "3.345 s: fault 1 ends: stall on the link to the vehicle for client 7",
         ]
     );
 }
 
-// SPI 6.21: an acknowledgement for each command, where it was asked for.
+// SPI 6.21: an acknowledgement for each command, if it was subscribed.
 #[test]
-fn acknowledgements_are_lost_from_the_begin_and_not_at_the_end() {
+fn acknowledgements_are_lost_from_the_begin_of_a_fault_up_to_its_end() {
     let mut payload = connected(
         &["kind = \"acks_lost\"; at_s = 5; for_s = 2; command = \"BPRMB\""],
         &["ACK"],
@@ -83,7 +83,7 @@ fn acknowledgements_are_lost_from_the_begin_and_not_at_the_end() {
 }
 
 #[test]
-fn a_lost_acknowledgement_is_of_a_command_that_is_done() {
+fn a_command_whose_acknowledgement_is_lost_is_carried_out() {
     let mut payload = connected(&["kind = \"acks_lost\"; at_s = 5; for_s = 2"], &["ACK"]);
     payload.until(5.0);
     payload.say(RMB);
@@ -109,7 +109,7 @@ fn one_stage_of_the_acknowledgements_may_be_lost() {
 }
 
 #[test]
-fn acknowledgements_come_late_at_their_time_and_with_their_own_stamp() {
+fn a_late_acknowledgement_has_the_time_at_which_it_is_sent() {
     let mut payload = connected(
         &["kind = \"acks_late\"; at_s = 5; for_s = 2; command = \"RMB\"; delay_s = 2.5"],
         &["ACK"],
@@ -125,7 +125,7 @@ fn acknowledgements_come_late_at_their_time_and_with_their_own_stamp() {
 }
 
 #[test]
-fn two_delays_add_up_and_a_new_connection_hears_nothing_of_the_old() {
+fn two_delays_add_up_and_a_new_connection_receives_nothing_of_the_old_one() {
     let late = "kind = \"acks_late\"; at_s = 5; for_s = 2; delay_s = 1";
     let mut payload = connected(&[late, late], &["ACK"]);
     payload.until(5.0);
@@ -147,7 +147,7 @@ fn two_delays_add_up_and_a_new_connection_hears_nothing_of_the_old() {
 
 // SPI 6.21: status 0 is invalid, 1 unsuccessfully processed.
 #[test]
-fn a_refused_command_is_not_done() {
+fn a_refused_command_is_not_carried_out() {
     for (status, expected) in [
         (
             "0",
@@ -165,7 +165,7 @@ fn a_refused_command_is_not_done() {
         payload.say(RTK);
         assert_eq!(payload.heard(), [expected]);
         assert!(!payload.log().iter().any(|line| line.contains("added")));
-        // The identifier was not used up by it.
+        // The refused command has not used up the identifier.
         payload.until(6.0);
         payload.say(RTK);
         assert_eq!(payload.heard(), ["$BFACK,080006.000,RTK,070000.000,11,2,0,"]);
@@ -173,7 +173,7 @@ fn a_refused_command_is_not_done() {
 }
 
 #[test]
-fn a_refusal_may_be_a_lie() {
+fn a_refused_command_may_be_carried_out_all_the_same() {
     let mut payload = connected(
         &["kind = \"acks_negative\"; at_s = 5; for_s = 1; command = \"RMB\"; done = true"],
         &["ACK"],
@@ -186,7 +186,7 @@ fn a_refusal_may_be_a_lie() {
 
 // SPI 6.24: BFCTL says whether the vehicle accepts dynamic requests.
 #[test]
-fn control_is_taken_and_given_back_though_the_plan_allows_it() {
+fn control_is_taken_and_given_back_although_the_plan_allows_it() {
     let mut payload = connected(&["kind = \"control_taken\"; at_s = 5.05; for_s = 3"], &["CTL", "ACK"]);
     payload.until(5.0);
     assert_eq!(payload.heard(), ["$BFCTL,080001.000,1"]);
@@ -206,7 +206,7 @@ fn control_is_taken_and_given_back_though_the_plan_allows_it() {
 }
 
 #[test]
-fn faults_of_one_kind_overlap_as_nested() {
+fn overlapping_faults_of_one_kind_end_with_the_last_of_them() {
     let mut payload = connected(
         &[
             "kind = \"control_taken\"; at_s = 5; for_s = 10",
@@ -244,7 +244,7 @@ fn frozen_navigation_repeats_values_and_solution_time() {
 }
 
 #[test]
-fn missing_navigation_is_missing_and_nothing_else_is() {
+fn the_fault_navigation_missing_removes_only_navigation() {
     let mut payload = connected(
         &["kind = \"navigation_missing\"; at_s = 5; for_s = 2"],
         &["NVG", "NVR", "CTD"],
@@ -259,7 +259,7 @@ fn missing_navigation_is_missing_and_nothing_else_is() {
 }
 
 #[test]
-fn navigation_jumps_and_where_the_fault_lasts_back_again() {
+fn navigation_jumps_and_jumps_back_when_a_lasting_fault_ends() {
     let north_minutes = |payload: &mut Payload| -> f64 {
         let heard = payload.heard();
         let latitude = fields(heard.last().unwrap())[2].to_owned();
@@ -272,7 +272,7 @@ fn navigation_jumps_and_where_the_fault_lasts_back_again() {
         let before = north_minutes(&mut payload);
         payload.until(2.0);
         let jumped = north_minutes(&mut payload);
-        // A minute of latitude is 1852 m; in 0.1 s the vehicle itself makes less than 0.3 m.
+        // A minute of latitude is 1852 m; in 0.1 s the vehicle itself moves less than 0.3 m.
         assert!((jumped - before - 0.1).abs() < 0.001, "{before} {jumped}");
         payload.until(4.95);
         let before = north_minutes(&mut payload);
@@ -283,7 +283,7 @@ fn navigation_jumps_and_where_the_fault_lasts_back_again() {
     }
 }
 
-// SPI 6.11: BFMIS when the status changes; with the mission control ends (6.24).
+// SPI 6.11: BFMIS is sent when the status changes. Control ends with the mission (6.24).
 #[test]
 fn the_vehicle_aborts_its_mission() {
     let mut payload = connected(&["kind = \"mission_abort\"; at_s = 5"], &["MIS", "CTL"]);
@@ -299,7 +299,7 @@ fn the_vehicle_aborts_its_mission() {
     assert!(payload.mvc.mission_over());
 }
 
-// SPI 6.1: no altitude without bottom lock is 0.000.
+// SPI 6.1: without bottom lock the altitude is 0.000.
 #[test]
 fn sensors_drop_out_one_by_one() {
     let mut payload = connected(
@@ -329,7 +329,7 @@ fn sensors_drop_out_one_by_one() {
 
 // SPI 5.2: BFSHT at least a minute before the payload's power goes off.
 #[test]
-fn a_shutdown_is_said_a_minute_before() {
+fn a_shutdown_is_announced_a_minute_before() {
     let mut payload = connected(&["kind = \"shutdown\"; at_s = 5.03"], &[]);
     payload.until(5.03);
     assert_eq!(payload.heard(), ["$BFSHT,080005.030"]);
@@ -350,14 +350,14 @@ fn the_vehicles_clock_is_set_and_set_back() {
     payload.until(4.9);
     assert_eq!(stamp(&mut payload), "080004.900");
     payload.until(5.0);
-    // Eight hours and a half second: midnight is passed backwards.
+    // Eight hours and half a second back: the clock passes midnight backwards.
     assert_eq!(stamp(&mut payload), "000004.500");
     payload.until(7.0);
     assert_eq!(stamp(&mut payload), "080007.000");
 }
 
 #[test]
-fn a_plan_may_come_during_the_run_and_replace_another() {
+fn a_fault_plan_may_come_during_the_run_and_replace_another() {
     let mut payload = connected(&["kind = \"control_taken\"; at_s = 5; for_s = 100"], &["CTL"]);
     payload.until(10.0);
     let plan = FaultPlan::from_toml(
@@ -372,7 +372,7 @@ fn a_plan_may_come_during_the_run_and_replace_another() {
     );
     let log = payload.log();
     let faults: Vec<&String> = log.iter().filter(|line| line.contains(": fault ")).collect();
-    // The first of the new plan is over; the second acts from now on.
+    // The first fault of the new plan is already over; the second acts from now on.
     assert_eq!(
         faults,
         [
@@ -384,7 +384,7 @@ fn a_plan_may_come_during_the_run_and_replace_another() {
 }
 
 #[test]
-fn what_is_injected_begins_at_once_and_counts_after_the_plan() {
+fn an_injected_fault_begins_at_once_and_is_numbered_after_the_plan() {
     let plan = |text: &str| FaultPlan::from_toml(&text.replace("; ", "\n")).unwrap();
     let mut payload = connected(&["kind = \"navigation_frozen\"; at_s = 12; for_s = 3"], &["CTL"]);
     payload.until(10.0);
@@ -407,8 +407,8 @@ fn what_is_injected_begins_at_once_and_counts_after_the_plan() {
         faults,
         [
             "10.000 s: fault 2 begins: control taken back",
-            "10.000 s: fault 3 begins: vehicle clock set by 5 s",
-            "10.000 s: fault 3 ends: vehicle clock set by 5 s",
+            "10.000 s: fault 3 begins: vehicle clock moved by 5 s",
+            "10.000 s: fault 3 ends: vehicle clock moved by 5 s",
             "12.000 s: fault 1 begins: navigation frozen",
             "14.000 s: fault 2 ends: control taken back",
             "15.000 s: fault 1 ends: navigation frozen",
@@ -417,7 +417,7 @@ fn what_is_injected_begins_at_once_and_counts_after_the_plan() {
 }
 
 #[test]
-fn without_a_fault_nothing_is_other_than_without_a_plan() {
+fn a_plan_without_an_active_fault_changes_nothing() {
     let run = |text: &str| {
         let mut mvc = Mvc::new(&WorldFile::from_toml(text).unwrap(), 5).unwrap();
         mvc.connect(Timestamp::ZERO, ClientId(1));

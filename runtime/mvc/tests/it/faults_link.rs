@@ -24,12 +24,12 @@ fn from_vehicle(text: &str) -> FaultyLink {
     faults(text).link(Timestamp::ZERO, ME, None, Direction::FromVehicle)
 }
 
-/// A line each 0.1 s from 0.1 s on, each with its number; what arrives, and when.
+/// Writes a numbered line each 0.1 s, from 0.1 s on. Returns what arrives, and when.
 fn lines(link: &mut FaultyLink, seconds: u32) -> Vec<(Timestamp, String)> {
     lines_and(link, seconds, &[])
 }
 
-/// As [`lines`], with these faults injected at their times.
+/// Like [`lines`], with these faults injected at their times.
 fn lines_and(link: &mut FaultyLink, seconds: u32, faults: &[Fault]) -> Vec<(Timestamp, String)> {
     let mut faults: Vec<&Fault> = faults.iter().rev().collect();
     let mut writes: Vec<(Timestamp, String)> = (1..=10 * seconds)
@@ -74,26 +74,26 @@ fn written(numbers: impl Iterator<Item = u32>) -> String {
 }
 
 #[test]
-fn without_a_fault_bytes_are_given_back_at_once() {
+fn without_a_fault_bytes_pass_at_once() {
     let bytes = b"$BFNVG\r\n";
     let mut link = from_vehicle("");
     assert_eq!(link.pass(at(1.0), bytes), Some(bytes.as_slice()));
     assert_eq!(link.poll_timeout(), None);
-    // Before and after a fault as well.
+    // Also before and after a fault.
     let mut link = from_vehicle("fault \"stall\"; at_s = 5; for_s = 1");
     assert!(link.pass(at(4.999), bytes).is_some());
     assert!(link.pass(at(5.0), bytes).is_none());
     assert_eq!(link.poll(at(5.999)), None);
     assert_eq!(link.poll_timeout(), Some(at(6.0)));
     assert_eq!(link.poll(at(6.0)).unwrap().bytes, bytes);
-    // What is taken in after the fault is over comes through, and from the next write on nothing is taken.
+    // A write that the link takes in when the fault is over still comes through, and the link takes in no later one.
     let _ = link.pass(at(6.0), bytes);
     while link.poll(at(6.0)).is_some() {}
     assert!(link.pass(at(6.1), bytes).is_some());
 }
 
 #[test]
-fn a_cut_is_at_its_instant_and_for_both_ways() {
+fn a_cut_happens_at_its_instant_and_in_both_directions() {
     let faults = faults("fault \"link_cut\"; at_s = 5; for_s = 2");
     for direction in [Direction::ToVehicle, Direction::FromVehicle] {
         let mut link = faults.link(Timestamp::ZERO, ME, None, direction);
@@ -101,7 +101,7 @@ fn a_cut_is_at_its_instant_and_for_both_ways() {
         link.push(at(4.999), b"under way");
         assert!(!link.is_cut(at(4.999)) && link.is_cut(at(5.0)));
         assert_eq!(link.poll(at(5.0)), None);
-        // A connection that is made afterwards is another one.
+        // A connection that is made afterwards is not cut.
         let mut link = faults.link(at(7.0), ME, None, direction);
         assert!(!link.is_cut(at(100.0)) && link.pass(at(8.0), b"x").is_some());
     }
@@ -112,7 +112,7 @@ fn a_cut_is_at_its_instant_and_for_both_ways() {
 }
 
 #[test]
-fn a_refusal_is_of_new_connections_alone() {
+fn a_refusal_affects_only_new_connections() {
     let faults = faults("fault \"refuse\"; at_s = 5; for_s = 2; role = \"sonar\"");
     assert!(faults.refuses(at(6.0), ME, Some("sonar")));
     assert!(!faults.refuses(at(6.0), ME, Some("camera")) && !faults.refuses(at(6.0), ME, None));
@@ -121,7 +121,7 @@ fn a_refusal_is_of_new_connections_alone() {
 }
 
 #[test]
-fn a_fault_is_of_those_that_it_names() {
+fn a_fault_affects_only_the_connections_that_it_names() {
     let faults = faults("fault \"half_open\"; at_s = 1; for_s = 9; client = 2; direction = \"to_vehicle\"");
     let lost = |client, direction| {
         let mut link = faults.link(Timestamp::ZERO, ClientId(client), None, direction);
@@ -132,7 +132,7 @@ fn a_fault_is_of_those_that_it_names() {
 }
 
 #[test]
-fn a_stall_holds_all_back_and_then_it_comes_as_one() {
+fn a_stall_holds_everything_back_and_then_releases_it_at_once() {
     let mut link = from_vehicle("fault \"stall\"; at_s = 2; for_s = 1.55");
     let arrived = lines(&mut link, 5);
     assert_eq!(texts(&arrived), written(1..=50));
@@ -146,7 +146,7 @@ fn a_stall_holds_all_back_and_then_it_comes_as_one() {
 }
 
 #[test]
-fn half_open_loses_what_is_written_meanwhile_and_nothing_after_it() {
+fn a_half_open_link_loses_only_what_is_written_during_the_fault() {
     let mut link = from_vehicle("fault \"half_open\"; at_s = 2; for_s = 1");
     let arrived = lines(&mut link, 5);
     assert_eq!(texts(&arrived), written((1..=19).chain(30..=50)));
@@ -165,7 +165,7 @@ fn a_delay_keeps_order_and_stays_within_its_jitter() {
             assert!((0.5..1.2).contains(&late), "{number} {late}");
             jitters.push(late);
         } else {
-            // After the end nothing is late, but for those that must not overtake.
+            // After the fault only those lines are late that must not overtake an earlier one.
             assert!(late < 1.2, "{number} {late}");
         }
     }
@@ -200,7 +200,7 @@ fn joined_writes_come_as_one() {
 }
 
 #[test]
-fn sentences_come_twice_or_not_at_all_and_always_whole() {
+fn duplicate_and_drop_affect_only_whole_sentences() {
     let mut link = from_vehicle("fault \"duplicate\"; at_s = 2; for_s = 1; chance = 1");
     let twice = (20..30).flat_map(|n| [n, n]);
     assert_eq!(
@@ -228,7 +228,7 @@ fn half_a_sentence_is_kept_no_longer_than_its_fault_lasts() {
     assert_eq!(link.poll_timeout(), Some(at(2.0)));
     assert_eq!(link.poll(at(1.999)), None);
     assert_eq!(link.poll(at(2.0)).unwrap().bytes, b"$TW");
-    // And its rest follows it, where nobody asked in between.
+    // The rest of the sentence follows, even if nobody has polled in between.
     link = from_vehicle("fault \"drop\"; at_s = 1; for_s = 1; chance = 1");
     link.push(at(1.5), b"$TW");
     link.push(at(2.5), b"O\r\n");
@@ -237,7 +237,7 @@ fn half_a_sentence_is_kept_no_longer_than_its_fault_lasts() {
 }
 
 #[test]
-fn corruption_flips_single_bits_as_often_as_it_says() {
+fn corruption_flips_single_bits_at_its_rate() {
     let mut link = from_vehicle("fault \"corrupt\"; at_s = 0; for_s = 10; chance = 0.02");
     let clean = vec![0_u8; 50_000];
     link.push(at(1.0), &clean);
@@ -267,8 +267,8 @@ fn a_link_that_holds_too_much_is_cut() {
 }
 
 #[test]
-fn what_is_injected_is_what_was_planned() {
-    // What is under way has been delayed, so that a stall finds some of it.
+fn an_injected_fault_acts_like_a_planned_one() {
+    // The delay keeps some bytes under way, so that a stall finds some.
     let before = "fault \"delay\"; at_s = 0; for_s = 9; delay_s = 0.7; jitter_s = 0.4\n";
     for later in [
         "fault \"link_cut\"; at_s = 5.05; for_s = 2",
@@ -291,7 +291,7 @@ fn what_is_injected_is_what_was_planned() {
 }
 
 #[test]
-fn a_fault_is_injected_into_the_connections_that_it_names_alone() {
+fn an_injected_fault_affects_only_the_connections_that_it_names() {
     let mut faults = faults("");
     let live = |faults: &LinkFaults, client, role, direction| faults.link(at(1.0), ClientId(client), role, direction);
     let to = Direction::ToVehicle;
@@ -310,7 +310,7 @@ fn a_fault_is_injected_into_the_connections_that_it_names_alone() {
     let held = links.each_mut().map(|link| link.pass(at(6.0), b"x").is_none());
     assert_eq!(held, [true, false, false, false]);
     assert!(!links[3].is_cut(at(9.0)));
-    // Connections that come later meet what lasts, and are refused by a cut that does.
+    // Later connections have the faults that still last, and a cut that still lasts refuses them.
     faults.inject(&named.faults[0]);
     faults.inject(&plan("fault \"link_cut\"; at_s = 8; for_s = 3").faults[0]);
     assert!(
@@ -323,9 +323,9 @@ fn a_fault_is_injected_into_the_connections_that_it_names_alone() {
     assert!(!faults.link(at(11.0), ME, None, to).is_cut(at(20.0)));
 }
 
-/// TCP's user time-out (RFC 5482) counts what is not acknowledged, which lost data never is.
+/// TCP's user time-out (RFC 5482) counts data that is not acknowledged, and lost data never is.
 #[test]
-fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
+fn the_sender_gives_up_the_link_in_time_if_a_write_waits_or_is_lost() {
     let within = Duration::from_secs(2);
     let mut stalled = from_vehicle("fault \"stall\"; at_s = 1; for_s = 60");
     assert_eq!(stalled.gives_up(within), None);
@@ -341,7 +341,7 @@ fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
     lost.push(at(4.0), b"x");
     assert_eq!(lost.gives_up(within), Some(at(5.0)));
 
-    // What is lost is sent again, and arrives when the loss is over: only a long one is found out.
+    // TCP sends lost data again, and it arrives when the loss is over: only a long loss is noticed.
     let mut short = from_vehicle(
         "fault \"half_open\"; at_s = 1; for_s = 1.5\nfault \"half_open\"; at_s = 6; for_s = 1\nfault \"half_open\"; at_s = 7; for_s = 3",
     );
@@ -351,9 +351,9 @@ fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
     assert_eq!(short.gives_up(within), Some(at(8.5)));
 }
 
-/// The vehicle's computer takes what a deaf vehicle does not read: TCP acknowledges it.
+/// The computer of a deaf vehicle receives what the vehicle does not read, so TCP acknowledges it.
 #[test]
-fn a_deaf_vehicle_reads_all_that_waited_in_order_and_nobody_gives_the_link_up() {
+fn a_deaf_vehicle_later_reads_everything_in_order_and_nobody_gives_up_the_link() {
     let text = "fault \"deaf\"; at_s = 2; for_s = 4";
     let mut link = faults(text).link(Timestamp::ZERO, ME, None, Direction::ToVehicle);
     let arrived = lines(&mut link, 8);
@@ -371,7 +371,7 @@ fn a_deaf_vehicle_reads_all_that_waited_in_order_and_nobody_gives_the_link_up() 
     let mut deaf = faults(text).link(Timestamp::ZERO, ME, None, Direction::ToVehicle);
     deaf.push(at(3.0), b"x");
     assert_eq!((deaf.gives_up(within), deaf.poll_timeout()), (None, Some(at(6.0))));
-    // What does not even arrive is given up as ever, and holds back what comes after it.
+    // Data that does not even arrive counts for the time-out as always, and holds back what comes after it.
     let text = "fault \"deaf\"; at_s = 2; for_s = 4\nfault \"stall\"; at_s = 4; for_s = 9";
     let mut both = faults(text).link(Timestamp::ZERO, ME, None, Direction::ToVehicle);
     both.push(at(3.0), b"a");
@@ -380,13 +380,13 @@ fn a_deaf_vehicle_reads_all_that_waited_in_order_and_nobody_gives_the_link_up() 
     assert_eq!(both.poll(at(5.9)), None);
     assert_eq!(both.poll(at(6.0)).unwrap().bytes, b"a");
     assert_eq!((both.poll(at(6.0)), both.poll_timeout()), (None, Some(at(13.0))));
-    // Its own words go on.
+    // The vehicle's own messages go on.
     let mut from = from_vehicle(text.lines().next().unwrap());
     assert!(from.pass(at(3.0), b"x").is_some());
 }
 
 #[test]
-fn deafness_that_is_injected_keeps_what_was_under_way() {
+fn an_injected_deafness_keeps_what_was_under_way() {
     let mut link = faults("fault \"delay\"; at_s = 0; for_s = 100; delay_s = 1").link(
         Timestamp::ZERO,
         ME,
@@ -404,7 +404,7 @@ fn deafness_that_is_injected_keeps_what_was_under_way() {
 }
 
 #[test]
-fn a_delay_is_there_from_the_first_byte_and_over_reconnects_in_its_own_direction() {
+fn a_delay_acts_from_the_first_byte_and_on_new_connections_only_in_its_direction() {
     let faults = faults("fault \"delay\"; at_s = 0; for_s = 100; delay_s = 0.7; direction = \"to_vehicle\"");
     for since in [0.0, 30.0] {
         let mut to = faults.link(at(since), ME, None, Direction::ToVehicle);
@@ -415,7 +415,7 @@ fn a_delay_is_there_from_the_first_byte_and_over_reconnects_in_its_own_direction
 }
 
 #[test]
-fn a_delay_grows_from_its_begin_on_whatever_connection() {
+fn a_delay_grows_from_its_begin_on_every_connection() {
     let text = "fault \"delay\"; at_s = 10; for_s = 5000; delay_s = 0.5; growth = 0.02; direction = \"from_vehicle\"";
     let arrives = |since: f64, written: f64| {
         let mut link = faults(text).link(at(since), ME, None, Direction::FromVehicle);
@@ -425,22 +425,22 @@ fn a_delay_grows_from_its_begin_on_whatever_connection() {
     assert_eq!(arrives(0.0, 10.0), at(10.5));
     assert_eq!(arrives(0.0, 110.0), at(112.5));
     assert_eq!(arrives(100.0, 110.0), at(112.5));
-    // No more than a minute.
+    // The delay grows to no more than a minute.
     assert_eq!(arrives(4500.0, 4510.0), at(4570.5));
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Whatever the plan: nothing comes of the future, order stays, the same seed gives the same bytes, and what is
-    /// written after the last fault arrives whole and at once.
+    /// For every plan: nothing arrives before it is written, the order stays, the same seed gives the same bytes, and
+    /// what is written after the last fault arrives whole and at once.
     #[test]
-    fn every_drawn_link_is_orderly(seed in 0_u64..10_000, intensity in 0.0..1.0_f64) {
+    fn every_drawn_plan_keeps_the_link_in_order(seed in 0_u64..10_000, intensity in 0.0..1.0_f64) {
         let plan = FaultPlan::draw(seed, Duration::from_secs(60), intensity);
         let faults = LinkFaults::new(&plan, seed);
         for direction in [Direction::ToVehicle, Direction::FromVehicle] {
             let run = || {
-                // Cuts are for another test: the connection is made again.
+                // Another test covers cuts: here the connection is made again.
                 let (mut since, mut all) = (Timestamp::ZERO, Vec::new());
                 for _ in 0..100 {
                     let mut link = faults.link(since, ME, None, direction);

@@ -7,7 +7,7 @@ use backseat_units::Timestamp;
 
 use crate::files::{CALM, LIVELY};
 
-/// Every kind with all that it may have.
+/// Every kind of fault, with the keys that it may have.
 const EVERY_KIND: &str = r#"
 [[fault]]
 at_s = 1
@@ -169,14 +169,14 @@ fn every_kind_is_read_and_written_back_in_full() {
         fields,
         "at_s = 2.0\nkind = \"delay\"\nfor_s = 2.0\ndirection = \"both\"\ndelay_s = 1.0\njitter_s = 0.5"
     );
-    // In world.toml it is a section of the same tables.
+    // In world.toml the plan is a section with the same tables.
     let section = EVERY_KIND.replace("[[fault]]", "[[faults.fault]]");
     let file = WorldFile::from_toml(&format!("{CALM}\n{section}")).unwrap();
     assert_eq!(file.faults.plan().unwrap(), plan);
 }
 
 #[test]
-fn a_wrong_fault_is_told_with_number_key_and_what_was_expected() {
+fn an_error_in_a_fault_names_its_number_its_key_and_what_was_expected() {
     let good = "[[fault]]\nat_s = 1\nkind = \"control_taken\"\nfor_s = 1\n";
     for (fault, expected) in [
         (
@@ -269,7 +269,7 @@ fn a_wrong_fault_is_told_with_number_key_and_what_was_expected() {
         ),
         (
             "at_s = 1; kind = \"another_dive\"; dive_file = \"a,b\"",
-            "fault 2: dive_file is \"a,b\", expected a name without commas",
+            "fault 2: dive_file is \"a,b\", expected a name in printable ascii without comma, asterisk and dollar",
         ),
         (
             "at_s = 1; kind = \"another_dive\"; dive_file = \"b\"; for_s = 3",
@@ -331,12 +331,13 @@ fn a_seed_draws_one_plan_with_faults_of_every_kind() {
         }
         assert_eq!(FaultPlan::from_toml(&plan.to_toml()).unwrap(), plan, "seed {seed}");
     }
-    // All but another dive: a plan that is drawn keeps its own.
+    // Every kind but another dive: a drawn plan keeps the dive.
     assert_eq!(names.len(), 28, "{names:?}");
     assert!((1..12).contains(&fatal), "{fatal}");
 }
 
-/// A client over faulty links both ways that subscribes anew and asks again whenever it is connected.
+/// The bytes and the events of a run. Its client has faulty links in both directions, and subscribes and asks again on
+/// each connection.
 struct Run {
     bytes: Vec<u8>,
     events: Vec<MvcEventKind>,
@@ -406,7 +407,7 @@ fn run(plan: &FaultPlan, seed: u64) -> Run {
             .iter()
             .flat_map(|(up, down)| [up.poll_timeout(), down.poll_timeout()]);
         let next = links_due.chain([mvc.poll_timeout()]).flatten().min();
-        // The links' own times of past faults are not asked again: the vehicle's step comes at the latest.
+        // A link may name the time of a past fault, so time advances by at least a microsecond.
         now = next.unwrap_or(end).max(now + Duration::from_micros(1));
     }
     run
@@ -417,7 +418,7 @@ proptest! {
 
     /// Any plan over a short mission: no panic, the same bytes again, and each fault's begin and end in the log.
     #[test]
-    fn any_drawn_plan_is_lived_through(seed in 0_u64..100_000, intensity in 0.1..1.0_f64) {
+    fn the_mock_survives_any_drawn_plan_and_logs_each_fault(seed in 0_u64..100_000, intensity in 0.1..1.0_f64) {
         let plan = FaultPlan::draw(seed, Duration::from_secs(90), intensity);
         let one = run(&plan, seed);
         let two = run(&plan, seed);

@@ -1,5 +1,5 @@
-//! Faults of what navigation says (SPI 6.1, 6.2): the vehicle is well, its words are wrong.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+//! Faults of the navigation messages (SPI 6.1, 6.2): the vehicle is well, but its messages are wrong.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_mvc::Truth;
 
@@ -9,10 +9,10 @@ use crate::payload::Payload;
 /// A minute of latitude, metres.
 const MINUTE_M: f64 = 1852.0;
 
-/// A step's BFNVG and BFNVR, as far as they are asked about here.
+/// The BFNVG and the BFNVR of a step, as far as these tests need them.
 #[derive(Clone, Debug, PartialEq)]
 struct Said {
-    /// Latitude, minutes, and both fields as they are written.
+    /// The minutes of the latitude; `place` has the fields of the whole position as they are written.
     minutes: f64,
     place: String,
     depth_m: f64,
@@ -21,7 +21,8 @@ struct Said {
     velocity: Option<String>,
 }
 
-/// What is said from 2 s on in steps of 0.1 s until 12 s, and the truth of the end, with a fault from 4 s to 10 s.
+/// What the vehicle says from 2 s to 12 s in steps of 0.1 s, and the truth at the end, with this fault from 4 s to 10
+/// s.
 fn said(fault: &str) -> (Vec<Said>, Truth) {
     let section = if fault.is_empty() {
         String::new()
@@ -53,8 +54,8 @@ fn said(fault: &str) -> (Vec<Said>, Truth) {
     (all, payload.mvc.truth())
 }
 
-/// What is said with a fault beside what is said without it, while it acts; before and after it they are the same, and so is
-/// the vehicle.
+/// What the vehicle says without and with a fault, in pairs, while the fault acts. Checks that both say the same before
+/// and after it, and that the fault does not move the vehicle.
 fn beside(fault: &str) -> Vec<(Said, Said)> {
     let ((well, truth), (ill, as_true)) = (said(""), said(fault));
     assert_eq!(truth, as_true, "{fault}");
@@ -63,7 +64,7 @@ fn beside(fault: &str) -> Vec<(Said, Said)> {
 }
 
 #[test]
-fn a_position_creeps_while_the_velocity_is_that_of_the_vehicle() {
+fn the_position_creeps_while_the_velocity_stays_that_of_the_vehicle() {
     for (number, (well, ill)) in beside("kind = \"position_creep\"; speed_mps = 2; towards_deg = 180")
         .iter()
         .enumerate()
@@ -76,7 +77,7 @@ fn a_position_creeps_while_the_velocity_is_that_of_the_vehicle() {
 }
 
 #[test]
-fn a_position_is_frozen_to_its_last_digit_while_the_solutions_time_goes_on() {
+fn the_position_is_frozen_to_its_last_digit_while_the_solutions_time_goes_on() {
     let pairs = beside("kind = \"position_frozen\"");
     let first = pairs[0].1.place.clone();
     assert_eq!(first, pairs[0].0.place);
@@ -87,7 +88,7 @@ fn a_position_is_frozen_to_its_last_digit_while_the_solutions_time_goes_on() {
 }
 
 #[test]
-fn a_position_goes_back_as_far_as_the_vehicle_goes_ahead() {
+fn the_position_goes_back_as_far_as_the_vehicle_goes_ahead() {
     let pairs = beside("kind = \"position_backwards\"");
     let way_m = |from: f64, to: f64| (to - from) * MINUTE_M;
     let (first, last) = (&pairs[0], &pairs[pairs.len() - 1]);
@@ -101,7 +102,7 @@ fn a_position_goes_back_as_far_as_the_vehicle_goes_ahead() {
 }
 
 #[test]
-fn velocities_are_missing_and_positions_come() {
+fn velocities_are_missing_while_positions_continue() {
     for (well, ill) in beside("kind = \"velocity_missing\"") {
         assert_eq!(ill.velocity, None);
         assert!(well.velocity.is_some());
@@ -146,7 +147,7 @@ fn another_dive_may_be_the_same_plan_under_another_name() {
 }
 
 #[test]
-fn another_dive_ends_what_was_flown_and_begins_its_own_plan_while_the_mission_runs() {
+fn another_dive_ends_the_current_behavior_and_begins_its_own_plan_during_the_mission() {
     let mut payload = diving(true);
     let plan = |payload: &Payload| payload.mvc.plan_points();
     let whole = {

@@ -73,7 +73,8 @@ depth_m = 10
 speed_mps = 2
 "#;
 
-/// A lively world: slope, meanders, banks, current, plume, noise; every kind of element; every reading drawn.
+/// A lively world: slope, meanders, banks, current, plume, noise; every kind of element. The seed draws every
+/// interpretation.
 pub(crate) const LIVELY: &str = r#"
 [start]
 utc = 2026-06-01T23:58:30Z

@@ -16,7 +16,8 @@ fn flying(payload: &Payload, id: u32) -> bool {
         }
 }
 
-/// SPI 7.7, surface mode 0: "straight line". To the place, up, the fix, and on with the mission.
+/// SPI 7.7, surface mode 0: "straight line". The vehicle goes to the place, surfaces, gets its fix, and goes on with
+/// the mission.
 #[test]
 fn a_gps_hit_goes_to_its_place_surfaces_gets_its_fix_and_goes_on() {
     let text = CALM.replace("[mission]", "[mission]\ngps_fix_s = 20");
@@ -60,13 +61,13 @@ fn a_gps_hit_goes_to_its_place_surfaces_gets_its_fix_and_goes_on() {
     assert!(payload.log().iter().any(|line| line.ends_with("gps fix of insert 7")));
 }
 
-/// SPI 7.7: "maximum time to surface ... uses vehicle default": where there is no fix by then it goes on without.
+/// SPI 7.7: "maximum time to surface ... uses vehicle default": without a fix by then the vehicle goes on.
 #[test]
 fn a_gps_hit_without_a_fix_gives_up() {
     let text = CALM.replace("[mission]", "[mission]\ngps_fix_s = 20\ngps_within_s = 30");
     let mut payload = Payload::connected(&text, 1, &["MBE"]);
     payload.until(10.0);
-    // Manual: "no automatic surfacing", and nobody brings it up.
+    // Manual: "no automatic surfacing", and the payload does not bring the vehicle up.
     payload.say(&hit(7, 2));
     let mut least_m = f64::INFINITY;
     assert!(payload.until_that(900.0, |truth| truth.activity
@@ -100,7 +101,7 @@ fn a_manual_gps_hit_is_brought_up_by_the_payload() {
 
 /// SPI 7.7: "1 = spiral (future implementation)". The identifier rules are those of the other inserts.
 #[test]
-fn gps_hits_that_are_refused() {
+fn wrong_gps_hits_are_refused_with_a_reason() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     let mut answer = |said: &str| {
         payload.say(said);
@@ -117,7 +118,7 @@ fn gps_hits_that_are_refused() {
     assert!(answer(&hit(0, 0)).ends_with(",0,0,0,identifier 0: expected 1 or more"));
     assert!(
         answer(&line(7, 20, 0)).ends_with(",7,2,0,"),
-        "what was refused is not used"
+        "a refused identifier is not used up"
     );
     assert!(answer(&hit(7, 0)).ends_with(",7,1,0,the identifier has been used in this mission"));
     let far = "$BPRGP,070000.000,8,4318.06,N,07053.95,W,120,5,0";
@@ -127,9 +128,10 @@ fn gps_hits_that_are_refused() {
     assert!(answer("$BPRGP,070000.000,8,4218.06,N,07053.95,W,,,0").ends_with(",8,2,0,"));
 }
 
-/// SPI 7.8 cancels "a behavior inserted by a preceding BPRTK or BPRTC request", no GPS hit; 7.9 does not say.
+/// SPI 7.8 cancels "a behavior inserted by a preceding BPRTK or BPRTC request", and no GPS hit; 7.9 does not say
+/// whether it cancels one.
 #[test]
-fn a_gps_hit_is_not_cancelled_but_by_what_ends_behaviors() {
+fn bprcn_does_not_cancel_a_gps_hit_bprca_may_and_bprcb_does() {
     for (gps, left) in [("false", "1 cancelled"), ("true", "2 cancelled")] {
         let text = format!("{CALM}\n[interpretation]\ncancel_all_gps = {gps}");
         let mut payload = Payload::connected(&text, 1, &["ACK", "MBS", "MBE"]);
@@ -152,7 +154,7 @@ fn a_gps_hit_is_not_cancelled_but_by_what_ends_behaviors() {
 
 /// SPI 6.20: a GPS hit is a waypoint of the plan.
 #[test]
-fn the_plan_tells_a_gps_hit_as_a_waypoint() {
+fn the_plan_contains_a_gps_hit_as_a_waypoint() {
     let mut payload = Payload::connected(CALM, 1, &[]);
     payload.until(10.0);
     payload.say(&hit(7, 0));

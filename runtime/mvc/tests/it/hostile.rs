@@ -1,4 +1,4 @@
-//! What a client may do at its worst costs itself its connection, and nobody else anything (SPI 4.1: clients connect and
+//! At worst a hostile client loses its own connection, and no other client loses anything (SPI 4.1: clients connect and
 //! disconnect "whenever and as often as they wish without causing errors").
 
 use backseat_mvc::ClientId;
@@ -8,7 +8,7 @@ use crate::payload::{ME, Payload};
 
 const FOE: ClientId = ClientId(66);
 
-/// Another client's navigation of the next second.
+/// How many BFNVG the other client receives until then.
 fn navigation(payload: &mut Payload, until_s: f64) -> usize {
     payload.heard();
     payload.until(until_s);
@@ -26,7 +26,7 @@ fn ten_megabytes_without_a_line_end_are_noise() {
     line.resize(10 << 20, b'x');
     payload.bytes(FOE, &line);
     assert_eq!(payload.heard_by(FOE), Vec::<String>::new());
-    // It is still understood after that, from the next dollar sign on.
+    // The vehicle still understands the client after that, from the next dollar sign on.
     payload.bytes(FOE, b"\n$BPMSG,070000.000,sorry\n");
     assert_eq!(payload.heard_by(FOE).len(), 1);
     assert_eq!(navigation(&mut payload, 1.0), 10);
@@ -57,7 +57,7 @@ fn oversized_fields_are_answered_and_not_obeyed() {
 }
 
 #[test]
-fn thousands_of_requests_leave_the_others_their_room() {
+fn thousands_of_requests_of_one_client_do_not_block_the_others() {
     let text = CALM.replace("acknowledge = \"immediate\"", "pending_s = 1.9");
     let mut payload = Payload::connected(&text, 1, &["ACK"]);
     payload.connect(FOE);
@@ -90,7 +90,7 @@ fn storms_of_connections_leave_nothing_behind() {
             payload.mvc.disconnect(payload.now, client);
         }
         if count % 3 == 0 {
-            // The same number again: the old connection is forgotten.
+            // The same client number connects again: the old connection is forgotten.
             payload.connect(client);
             payload.mvc.disconnect(payload.now, client);
         }
@@ -103,7 +103,7 @@ fn storms_of_connections_leave_nothing_behind() {
 }
 
 #[test]
-fn every_byte_value_is_survived_between_sentences() {
+fn every_byte_value_between_sentences_does_no_harm() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     for byte in 0..=255u8 {
         payload.bytes(ME, &[byte, byte, b'\n']);

@@ -6,8 +6,8 @@ use backseat_units::Timestamp;
 use crate::files::CALM;
 use crate::payload::{ME, Payload};
 
-/// Calm water by a quay of sorts: a ship whose bow points east and whose starboard side is south, and a line along it.
-/// The vehicle starts 7 m off midships of that side, facing it: x is north, y is east.
+/// Calm water with a ship: its bow points east, its starboard side is south, and the plan has a line along it. The
+/// vehicle starts 7 m off that side, amidships, and faces it: x is north, y is east.
 pub(crate) const HARBOUR: &str = r#"
 [start]
 utc = 2026-06-01T08:00:00Z
@@ -54,7 +54,7 @@ depth_m = 3
 speed_mps = 0
 "#;
 
-/// The same, with a setpoint of 20 s alone, which allows dynamic requests from 5 s to 15 s.
+/// The same world with a single setpoint of 20 s, which allows dynamic requests from 5 s to 15 s.
 fn station() -> String {
     let plan = HARBOUR.find("[[plan]]").expect("a file has a plan");
     format!(
@@ -74,7 +74,7 @@ fn suspended(payload: &Payload) -> bool {
     suspended
 }
 
-/// Says a sentence every second up to a time, so that the suspension lasts.
+/// Sends this sentence every second until then, so that the suspension lasts.
 pub(crate) fn keep(payload: &mut Payload, until_s: f64, sentence: &str) {
     let mut now_s = payload.now.as_secs_f64();
     while now_s < until_s {
@@ -102,7 +102,7 @@ const TABLE: &[(&str, &str)] = &[
         "$BPGBP,070000.000,1,2,D,3",
         "GBP,070000.000,0,1,0,ignored: no mission is suspended",
     ),
-    // 8.1; again it only starts the time anew.
+    // 8.1; a second one only restarts the time.
     ("$BPSUS,070000.000", "SUS,070000.000,0,2,0,"),
     ("$BPSUS,070000.001", "SUS,070000.001,0,2,0,"),
     ("$BPSUS,now", "SUS,000000.000,0,0,0,"),
@@ -110,11 +110,11 @@ const TABLE: &[(&str, &str)] = &[
     ("$BPGHP,070000.000,2,2,3", "GHP,070000.000,0,2,0,"),
     (
         "$BPGHP,070000.000,2,2,0.4",
-        "GHP,070000.000,0,1,0,the distance is to be from 0.5 to 1000 m",
+        "GHP,070000.000,0,1,0,the distance must be 0.5 to 1000 m",
     ),
     (
         "$BPGHP,070000.000,2,-1,3",
-        "GHP,070000.000,0,1,0,the depth is to be from 0 to 60 m",
+        "GHP,070000.000,0,1,0,the depth must be 0 to 60 m",
     ),
     (
         "$BPGHP,070000.000,2000,2,3",
@@ -125,11 +125,11 @@ const TABLE: &[(&str, &str)] = &[
     ("$BPGBP,070000.000,-8,2,A,4", "GBP,070000.000,0,2,0,"),
     (
         "$BPGBP,070000.000,-8,2,D,99",
-        "GBP,070000.000,0,1,0,the depth is to be from 0 to 60 m",
+        "GBP,070000.000,0,1,0,the depth must be 0 to 60 m",
     ),
     (
         "$BPGBP,070000.000,-8,2,A,0.5",
-        "GBP,070000.000,0,1,0,the altitude is to be from 1 to 1000 m",
+        "GBP,070000.000,0,1,0,the altitude must be 1 to 1000 m",
     ),
     (
         "$BPGBP,070000.000,-8,-1001,D,4",
@@ -182,7 +182,7 @@ fn each_command_has_its_answer() {
         payload.say(said);
         let heard = payload.heard();
         let expected = format!("$BFACK,080006.000,{answer}");
-        // What does not parse names its field after that.
+        // The answer to a sentence that does not parse also names its field.
         let rest = if answer.ends_with("000000.000,0,0,0,") { 1 } else { 0 };
         assert!(
             heard.len() == 1 && heard[0].starts_with(&expected) && heard[0].len() >= expected.len() + rest,
@@ -194,7 +194,7 @@ fn each_command_has_its_answer() {
 }
 
 #[test]
-fn vehicles_that_do_not_hover_say_so() {
+fn vehicles_that_do_not_hover_refuse_the_commands_of_those_that_do() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(5.0);
     for (said, _) in TABLE.iter().filter(|(_, answer)| !answer.contains("000000.000")) {
@@ -228,8 +228,9 @@ fn cameras_and_lights_must_be_installed() {
 }
 
 #[test]
-fn a_suspension_lapses_two_seconds_after_the_last_one_to_the_millisecond() {
-    // SPI 8.1, 8.2, 8.6, 8.7: each of the four starts the 2 s anew, well or badly aimed; 8.1 from its first one.
+fn a_suspension_lapses_exactly_two_seconds_after_the_last_refresh() {
+    // SPI 8.1, 8.2, 8.6, 8.7: each of the four commands restarts the 2 s, even if its target is refused. The first 8.1
+    // starts them.
     for (keeps, said) in [
         (true, "$BPSUS,070000.000"),
         (true, "$BPCON,070000.000"),
@@ -246,7 +247,7 @@ fn a_suspension_lapses_two_seconds_after_the_last_one_to_the_millisecond() {
         let mut payload = Payload::connected(HARBOUR, 1, &[]);
         at_ms(&mut payload, 5003);
         payload.say("$BPSUS,070000.000");
-        // At the last millisecond.
+        // This is the last millisecond.
         at_ms(&mut payload, 7002);
         assert!(suspended(&payload), "{said}");
         payload.say(said);
@@ -269,12 +270,12 @@ fn a_suspension_lapses_two_seconds_after_the_last_one_to_the_millisecond() {
 }
 
 #[test]
-fn what_comes_as_the_two_seconds_end_is_too_late() {
+fn a_refresh_at_the_end_of_the_two_seconds_is_too_late() {
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     at_ms(&mut payload, 5003);
     payload.say("$BPSUS,070000.000");
     payload.heard();
-    // The driver overslept: no timeout was handled before.
+    // The driver woke late: it handled no timeout before.
     payload.now = Timestamp::from_millis(7003);
     payload.say("$BPCON,070000.000");
     assert_eq!(
@@ -289,7 +290,7 @@ fn what_comes_as_the_two_seconds_end_is_too_late() {
 }
 
 #[test]
-fn a_lost_link_gives_the_vehicle_back_in_two_seconds() {
+fn after_a_lost_link_the_mission_goes_on_within_two_seconds() {
     let mut payload = Payload::connected(HARBOUR, 1, &[]);
     payload.until(6.0);
     payload.say("$BPSUS,070000.000");
@@ -303,7 +304,7 @@ fn a_lost_link_gives_the_vehicle_back_in_two_seconds() {
 }
 
 #[test]
-fn any_client_keeps_and_ends_a_suspension() {
+fn any_client_can_refresh_and_end_a_suspension() {
     let mut payload = Payload::connected(HARBOUR, 1, &[]);
     payload.connect(ClientId(2));
     payload.until(6.0);
@@ -317,7 +318,7 @@ fn any_client_keeps_and_ends_a_suspension() {
 }
 
 #[test]
-fn only_a_running_mission_is_suspended() {
+fn only_a_running_mission_can_be_suspended() {
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     payload.until(0.5);
     payload.say("$BPSUS,070000.000");
@@ -355,10 +356,11 @@ fn whether_a_suspension_needs_control_is_a_setting() {
 }
 
 #[test]
-fn the_clock_of_the_mission_stands_still_and_with_it_the_window_of_requests() {
+fn the_missions_time_and_the_window_for_requests_stand_still_during_a_suspension() {
     let mut payload = Payload::connected(&station(), 1, &["CTL", "MIS"]);
     payload.until(10.0);
-    // Ten seconds, and 2 until it lapses: everything else comes 12 s later. It began at 1 s.
+    // The suspension lasts ten seconds, and 2 s until it lapses: everything else comes 12 s later. The mission began at
+    // 1 s.
     keep(&mut payload, 20.0, "$BPSUS,070000.000");
     payload.say("$BPSUS,070000.000");
     payload.until(60.0);
@@ -383,7 +385,7 @@ fn the_clock_of_the_mission_stands_still_and_with_it_the_window_of_requests() {
 }
 
 #[test]
-fn a_modify_is_not_taken_while_suspended_and_its_five_seconds_go_on() {
+fn a_modify_is_refused_during_a_suspension_and_the_five_seconds_of_an_earlier_one_go_on() {
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     payload.until(10.0);
     payload.say("$BPRMB,070000.000,90,3,0,0.5,1,0");
@@ -406,8 +408,8 @@ fn a_modify_is_not_taken_while_suspended_and_its_five_seconds_go_on() {
 }
 
 #[test]
-fn what_is_inserted_meanwhile_is_flown_afterwards() {
-    // An interrupt too: the vehicle is the payload's until it gives it back.
+fn an_insert_during_a_suspension_is_flown_afterwards() {
+    // Also one that interrupts: the payload has the vehicle until it gives it back.
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     payload.until(10.0);
     payload.say("$BPSUS,070000.000");
@@ -416,7 +418,7 @@ fn what_is_inserted_meanwhile_is_flown_afterwards() {
     keep(&mut payload, 15.0, "$BPCON,070000.000");
     assert!(suspended(&payload));
     payload.say("$BPRES,070000.000");
-    // It began meanwhile, so that there is no place to return to.
+    // The insert began during the suspension, so there is no place to return to.
     assert!(
         matches!(payload.mvc.truth().activity, Activity::Insert { id } if id.get() == 7),
         "{:?}",
@@ -445,7 +447,7 @@ fn the_end_of_the_mission_ends_the_suspension() {
 
 #[test]
 fn the_mission_goes_on_from_where_it_was_suspended_or_from_where_the_vehicle_is() {
-    // SPI 8.3: depending on the behavior. A line by default returns, a setpoint does not.
+    // SPI 8.3: depending on the behavior. By default a line returns, and a setpoint does not.
     let line = HARBOUR.to_owned();
     for (text, setting, returns) in [
         (line.clone(), "behavior", true),
@@ -473,7 +475,7 @@ fn the_mission_goes_on_from_where_it_was_suspended_or_from_where_the_vehicle_is(
         let says = payload
             .log()
             .iter()
-            .any(|line| line.ends_with("back where the mission was suspended: it goes on"));
+            .any(|line| line.ends_with("the vehicle is back where the mission was suspended: the mission goes on"));
         assert_eq!(says, returns, "{setting}");
     }
 }

@@ -1,11 +1,11 @@
-//! How a suspended vehicle moves, and what it says of where it is (SPI 6.17 to 6.19, 8.4 to 8.9).
+//! How a suspended vehicle moves, and what it says about its position (SPI 6.17 to 6.19, 8.4 to 8.9).
 
 use backseat_mvc::{Mvc, WorldFile};
 
 use crate::hovering::{HARBOUR, hovering, keep};
 use crate::payload::Payload;
 
-/// The numbers of the newest sentence of a name, its time left out.
+/// The numbers of the newest sentence of this name, without its time.
 fn newest(payload: &mut Payload, name: &str) -> Vec<f64> {
     let line = payload
         .heard()
@@ -44,7 +44,7 @@ fn a_hull_position_is_reached_facing_the_hull() {
         near(hover.clearance_m.expect("a ship"), 2.0, 0.2) && hover.bearing_deg.abs() < 1.0,
         "{hover:?}"
     );
-    // SPI 6.17 and 6.19 say the same.
+    // BFRNV and BFCNV (SPI 6.17 and 6.19) say the same.
     let said = payload.heard();
     let last = |name: &str| {
         let line = said.iter().rev().find(|line| line.starts_with(name)).expect("it came");
@@ -62,7 +62,7 @@ fn a_hull_position_is_reached_facing_the_hull() {
         "{rnv:?}"
     );
     assert!(near(number(&rnv[6]), truth.believed_depth_m, 0.001), "{rnv:?}");
-    // Made and solved at the same time, and that is now.
+    // The message and its solution have the same time, which is now.
     assert!(rnv[1] == "080130.000" && rnv[10] == "080130.000", "{rnv:?}");
     assert!(
         near(number(&cnv[2]), hover.x_m, 0.01) && near(number(&cnv[3]), hover.y_m, 0.01),
@@ -98,7 +98,7 @@ fn the_port_side_counts_the_other_way() {
 }
 
 #[test]
-fn which_way_the_vertical_counts_is_a_setting() {
+fn the_direction_of_the_vertical_is_a_setting() {
     let text = format!("{HARBOUR}\n[interpretation]\nhull_vertical = \"up\"");
     let mut payload = Payload::connected(&text, 1, &["RNV", "ACK"]);
     payload.until(6.0);
@@ -108,7 +108,7 @@ fn which_way_the_vertical_counts_is_a_setting() {
         payload
             .heard()
             .iter()
-            .any(|line| line.ends_with("GHP,070000.000,0,1,0,the depth is to be from 0 to 60 m"))
+            .any(|line| line.ends_with("GHP,070000.000,0,1,0,the depth must be 0 to 60 m"))
     );
     keep(&mut payload, 60.0, "$BPGHP,070000.000,0,-4,3");
     assert!(near(payload.mvc.truth().depth_m, 4.0, 0.1));
@@ -145,7 +145,7 @@ fn a_bottom_position_is_reached_by_depth_and_by_altitude() {
 }
 
 #[test]
-fn suspended_without_a_place_it_stays_in_a_current() {
+fn a_suspended_vehicle_without_a_target_stays_at_its_place_in_a_current() {
     let text = format!("{HARBOUR}\n[current]\nspeed_mps = 0.2\ntowards_deg = 0");
     let mut payload = Payload::connected(&text, 1, &[]);
     payload.until(8.0);
@@ -159,7 +159,7 @@ fn suspended_without_a_place_it_stays_in_a_current() {
 
 #[test]
 fn the_speed_limit_is_kept_and_outlives_station_keeping() {
-    // SPI 8.4: 1.5 at first, and never above the vehicle's best, which is 0.75 m/s.
+    // SPI 8.4: the limit is 1.5 m/s at first, and the vehicle is never faster than its own best, 0.75 m/s.
     let mut payload = Payload::connected(HARBOUR, 1, &[]);
     assert_eq!(hovering(&payload).speed_limit_mps, 1.5);
     let fastest = |payload: &mut Payload, from_s: u32, sentence: &str| {
@@ -169,7 +169,7 @@ fn the_speed_limit_is_kept_and_outlives_station_keeping() {
             for tenth in 1..=10 {
                 payload.until(f64::from(second) + f64::from(tenth) / 10.0);
                 let truth = payload.mvc.truth();
-                // The first two seconds slow down from the mission's own speed.
+                // In the first two seconds the vehicle slows down from the mission's speed.
                 if second > from_s + 2 {
                     fastest = fastest.max(backseat_units::math::hypot(truth.east_mps, truth.north_mps));
                 }
@@ -182,7 +182,7 @@ fn the_speed_limit_is_kept_and_outlives_station_keeping() {
     let best = fastest(&mut payload, 6, "$BPGBP,070000.000,-40,-20,D,3");
     assert!(best > 0.7 && best <= 0.7501, "{best}");
     payload.say("$BPSPD,070000.000,0.3");
-    // It slows down first.
+    // The vehicle slows down first.
     keep(&mut payload, 39.0, "$BPCON,070000.000");
     let limited = fastest(&mut payload, 39, "$BPGBP,070000.000,-10,-20,D,3");
     assert!(limited > 0.25 && limited <= 0.3001, "{limited}");
@@ -194,7 +194,7 @@ fn the_speed_limit_is_kept_and_outlives_station_keeping() {
 
 #[test]
 fn the_vehicle_does_not_go_through_the_ship() {
-    // To the other side: it is stopped at its own safety distance.
+    // To a target on the other side the vehicle stops at its own safety distance.
     let mut payload = Payload::connected(HARBOUR, 1, &[]);
     payload.until(6.0);
     payload.say("$BPSUS,070000.000");
@@ -235,7 +235,7 @@ fn the_vehicle_does_not_squeeze_itself_between_the_keel_and_the_bottom() {
         assert!(truth.altitude_m > 0.8, "{truth:?}");
         assert!(hover.clearance_m.is_some_and(|metres| metres > 0.49), "{hover:?}");
     }
-    // It did go under.
+    // The vehicle did go under the ship.
     assert!(payload.mvc.truth().local.north_m > -5.5, "{:?}", payload.mvc.truth());
 }
 
@@ -254,7 +254,7 @@ fn a_reset_moves_relative_navigation_at_once_and_the_vehicle_after_it() {
     let rnv = newest(&mut payload, "$BFRNV");
     // The distance is measured, and did not change.
     assert!(near(rnv[0], 6.0, 0.15) && near(rnv[2], 4.0, 0.2), "{rnv:?}");
-    // Sent to 0 as before, it now goes 6 m to the left in truth.
+    // The same target 0 now takes the vehicle 6 m to the left in truth.
     keep(&mut payload, 90.0, "$BPGHP,070000.000,0,3,4");
     assert!(
         near(payload.mvc.truth().local.east_m, -6.0, 0.4),
@@ -288,13 +288,13 @@ fn a_bearing_offset_adds_to_the_bearings_and_turns_the_vehicle_that_faces_the_hu
     payload.say("$BPRBO,070000.000,10");
     payload.until(40.2);
     let after = newest(&mut payload, "$BFRNV");
-    // The relative and the inertial bearing; where it is did not change.
+    // The relative and the inertial bearing change; the position does not.
     assert!(near(after[3] - before[3], 10.0, 1.5), "{before:?} {after:?}");
     let turned = (after[5] - before[5] + 360.0) % 360.0;
     assert!(near(turned, 10.0, 1.5), "{before:?} {after:?}");
     assert!(near(after[0], before[0], 0.02), "{before:?} {after:?}");
     keep(&mut payload, 60.0, "$BPGHP,070000.000,0,3,4");
-    // It believes to face the hull, 10 degrees to the left of it in truth.
+    // The vehicle believes that it faces the hull, but points 10 degrees to the left of it in truth.
     assert!(
         near(hovering(&payload).bearing_deg, -10.0, 0.5),
         "{:?}",
@@ -304,8 +304,8 @@ fn a_bearing_offset_adds_to_the_bearings_and_turns_the_vehicle_that_faces_the_hu
 }
 
 #[test]
-fn an_error_of_the_bearing_turns_the_way_that_is_reckoned() {
-    // SPI 8.9: what it believes to be straight to the right leads away from the hull.
+fn an_error_of_the_bearing_turns_the_dead_reckoned_way() {
+    // SPI 8.9: the way that the vehicle believes to be straight to the right leads away from the hull.
     let mut payload = Payload::connected(HARBOUR, 1, &["CNV"]);
     payload.until(6.0);
     payload.say("$BPSUS,070000.000");
@@ -319,7 +319,7 @@ fn an_error_of_the_bearing_turns_the_way_that_is_reckoned() {
 }
 
 #[test]
-fn nobody_else_is_told_of_a_suspension() {
+fn no_message_announces_a_suspension() {
     // SPI 8.1 to 8.3 name no message: the mission is still `Running`, and control as it was.
     let mut payload = Payload::connected(HARBOUR, 1, &["MIS", "CTL", "MBS", "MBE"]);
     payload.until(6.0);
@@ -347,19 +347,20 @@ fn sonar_and_dvl_turn_at_their_rate() {
         near(halfway[0], -60.0, 0.01) && near(halfway[1], 30.0, 0.01),
         "{halfway:?}"
     );
-    // Beyond its limits it stays on its way.
+    // A command beyond the limits does not change the movement.
     payload.say("$BPSAN,070000.000,-91");
     payload.say("$BPCON,070000.000");
     payload.until(8.0);
     assert_eq!(newest(&mut payload, "$BFPIT"), [-30.0, 60.0]);
-    // Once the payload has given the vehicle back, the log looks at the bottom again, which the mission flies by.
+    // Once the payload has given the vehicle back, the DVL looks at the bottom again, because the mission flies by
+    // that.
     payload.say("$BPRES,070000.000");
     payload.until(12.0);
     assert_eq!(newest(&mut payload, "$BFPIT"), [-90.0, 60.0]);
 }
 
 #[test]
-fn each_message_comes_at_its_rate_and_only_where_there_is_something_to_say() {
+fn each_message_comes_at_its_rate_and_only_if_there_is_something_to_say() {
     let count = |text: &str| {
         let mut payload = Payload::connected(text, 1, &["ALL"]);
         payload.until(10.0);
@@ -378,7 +379,7 @@ fn each_message_comes_at_its_rate_and_only_where_there_is_something_to_say() {
 }
 
 #[test]
-fn without_a_ship_there_is_no_hull_to_go_to_and_the_bottom_counts_from_the_start() {
+fn without_a_ship_hull_positions_are_refused_and_bottom_positions_count_from_the_start() {
     let open = HARBOUR.split("[hovering.hull]").next().expect("a part").to_owned()
         + "[mission]\nstarts_after_s = 1\n[[plan]]\nkind = \"setpoint\"\nheading_deg = 0\nduration_s = 60\ndepth_m = 3\nspeed_mps = 0\n";
     let open = open.replace("depth_m = 3\n[origin]", "depth_m = 3\nheading_deg = 90\n[origin]");
@@ -391,7 +392,7 @@ fn without_a_ship_there_is_no_hull_to_go_to_and_the_bottom_counts_from_the_start
             .heard()
             .contains(&"$BFACK,080002.000,GHP,070000.000,0,1,0,there is no hull".to_owned())
     );
-    // It pointed east: x is east, y is south.
+    // The vehicle pointed east: x is east, y is south.
     keep(&mut payload, 60.0, "$BPGBP,070000.000,5,2,D,4");
     let truth = payload.mvc.truth();
     assert!(
@@ -424,7 +425,7 @@ fn relative_navigation_drifts_with_the_seed_and_the_distance_does_not() {
 }
 
 #[test]
-fn a_ship_that_cannot_be_there_is_refused_at_the_start() {
+fn an_impossible_ship_is_refused_at_the_start() {
     for (from, to, expected) in [
         (
             "draft_m = 5",
@@ -434,7 +435,7 @@ fn a_ship_that_cannot_be_there_is_refused_at_the_start() {
         (
             "class = \"hovering\"",
             "class = \"12-inch\"",
-            "vehicle.class is \"12-inch\", expected \"hovering\" where there is a [hovering.hull]",
+            "vehicle.class is \"12-inch\", expected \"hovering\" with a [hovering.hull]",
         ),
         (
             "[hovering]\n",
@@ -452,7 +453,7 @@ fn a_ship_that_cannot_be_there_is_refused_at_the_start() {
     }
     let inside = fault(&HARBOUR.replace("north_m = -12\ndepth_m", "north_m = -5.2\ndepth_m"));
     assert!(
-        inside.starts_with("start, as metres from hovering.hull, is 0.2"),
+        inside.starts_with("start: the distance from hovering.hull in metres is 0.2"),
         "{inside}"
     );
     let unknown = fault(&HARBOUR.replace("beam_m", "width_m"));
@@ -460,7 +461,7 @@ fn a_ship_that_cannot_be_there_is_refused_at_the_start() {
 }
 
 #[test]
-fn a_file_without_the_section_flies_as_before() {
+fn a_file_without_the_hovering_section_has_its_defaults() {
     let file = WorldFile::from_toml(crate::files::CALM).expect("the file is right");
     assert_eq!(file.hovering, backseat_mvc::HoveringConfig::default());
     assert!(Mvc::new(&file, 1).is_ok());

@@ -37,7 +37,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn whatever_is_said_the_vehicle_stays_clear_and_comes_back(
+    fn whatever_the_payload_says_the_vehicle_stays_clear_and_the_suspension_lapses(
         said in prop::collection::vec((command(), 1u64..3000), 1..60),
         seed in 0u64..1000,
         current_mps in 0.0..0.5f64,
@@ -71,7 +71,8 @@ proptest! {
                 let suspended = truth.activity == Activity::Suspended;
                 prop_assert!(!suspended || at < kept_until, "suspended at {at}, kept until {kept_until}");
                 prop_assert!(hover.suspended_until.is_none_or(|until| until <= kept_until));
-                // Adrift after its mission, nothing keeps it off but the hull itself, and nothing off a shore.
+                // When the vehicle drifts after its mission, only the hull itself keeps it off the ship, and nothing
+                // keeps it off a shore.
                 let adrift = truth.activity == Activity::Stopped;
                 let least_m = if adrift { -1e-9 } else { 0.49 };
                 prop_assert!(hover.clearance_m.is_some_and(|metres| metres >= least_m), "{hover:?} {truth:?}");

@@ -99,7 +99,7 @@ fn cancel_works_before_the_begin_and_fails_after_it() {
 }
 
 #[test]
-fn cancel_all_takes_those_of_every_client_or_only_its_own() {
+fn cancel_all_cancels_the_inserts_of_every_client_or_only_its_own() {
     for (scope, left) in [("all", 0), ("own", 1)] {
         let text = format!("{CALM}\n[interpretation]\ncancel_all_scope = \"{scope}\"");
         let mut payload = Payload::connected(&text, 1, &["ACK"]);
@@ -164,7 +164,7 @@ fn a_request_outlives_its_connection_and_its_answer_does_not() {
 }
 
 #[test]
-fn cancel_all_reaches_what_is_still_pending() {
+fn cancel_all_also_cancels_what_is_still_pending() {
     let text = CALM.replace("acknowledge = \"immediate\"", "pending_s = 1");
     let mut payload = Payload::connected(&text, 1, &["ACK"]);
     payload.until(10.0);
@@ -181,7 +181,7 @@ fn cancel_all_reaches_what_is_still_pending() {
 
 #[test]
 fn inserts_outlive_control_or_are_dropped() {
-    // Control falls 60 s into the first line.
+    // Control ends 60 s into the first line.
     let text = CALM.replace("dynamic = true", "dynamic = true\ndynamic_for_s = 60");
     for (reading, flown) in [
         ("fly", ["+1", "-1", "+i4", "-i4", "+2", "-2"].as_slice()),
@@ -203,7 +203,7 @@ fn an_insert_without_control_is_refused() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.say(&line(4, 30, 0));
     assert!(payload.heard()[0].ends_with(",4,1,0,dynamic requests are not allowed now"));
-    // Refused is not used: the same identifier may come again.
+    // A refused identifier is not used up: it may come again.
     payload.until(10.0);
     payload.say(&line(4, 30, 0));
     assert!(payload.heard()[0].ends_with(",4,2,0,"));
@@ -217,7 +217,7 @@ fn a_circle_is_flown_round_its_rim() {
     let id = BehaviorId::new(9);
     assert!(payload.until_that(500.0, |truth| truth.activity == Activity::Insert { id }));
     let centre = backseat_units::EastNorth::new(0.0, 555.4);
-    // Past the way to the entry point.
+    // By then the vehicle has left the way to the entry point behind it.
     payload.until(payload.now.as_secs_f64() + 130.0);
     let mut seconds = 0.0;
     while payload.mvc.truth().activity == (Activity::Insert { id }) {
@@ -231,7 +231,7 @@ fn a_circle_is_flown_round_its_rim() {
 }
 
 #[test]
-fn the_plan_is_told_with_its_inserts_at_their_place() {
+fn the_plan_is_sent_with_its_inserts_at_their_place() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(10.0);
     payload.say(&line(4, 30, 0));

@@ -31,13 +31,13 @@ fn each_status_message_can_be_switched_on_and_off() {
             assert_eq!(payload.heard(), [DONE], "{name} {switch}");
         }
     }
-    // Without acknowledgements there is none of the last one either.
+    // Once acknowledgements are off, the command that switches them off is not acknowledged either.
     payload.say("$BPLOG,ACK,OFF");
     assert_eq!(payload.heard(), Vec::<String>::new());
 }
 
 #[test]
-fn what_is_no_status_message_is_refused() {
+fn command_messages_cannot_be_switched_off_and_unknown_names_are_refused() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     for name in COMMANDS {
         payload.say(&format!("$BPLOG,{name},ON"));
@@ -46,7 +46,7 @@ fn what_is_no_status_message_is_refused() {
         let told = "$BFACK,080000.000,LOG,000000.000,0,1,0,command messages are always on";
         assert_eq!(payload.heard(), [told], "{name}");
     }
-    // SPI 4.2: case matters. The name of the whole sentence is none either.
+    // SPI 4.2: case matters. The name of the whole sentence is not valid either.
     for name in ["nvg", "BFNVG", "RMB", "all", ""] {
         payload.say(&format!("$BPLOG,{name},ON"));
         let heard = payload.heard();
@@ -66,7 +66,7 @@ fn what_is_no_status_message_is_refused() {
 }
 
 #[test]
-fn one_message_comes_alone_and_stops_alone() {
+fn each_message_is_switched_on_and_off_by_itself() {
     let mut payload = Payload::connected(CALM, 1, &["NVR"]);
     payload.until(1.0);
     assert_eq!(names(&payload.heard()), ["NVR"]);
@@ -78,7 +78,7 @@ fn one_message_comes_alone_and_stops_alone() {
 
 #[test]
 fn all_leaves_acknowledgements_as_they_are() {
-    // SPI 7.1: ALL turns all on or off but for the acknowledgements, which are asked for by name.
+    // SPI 7.1: ALL turns everything on or off except the acknowledgements, which a client subscribes by name.
     let mut payload = Payload::connected(CALM, 1, &["ALL"]);
     payload.say("$BPMSG,070000.000,x");
     assert_eq!(payload.heard(), Vec::<String>::new());
@@ -92,7 +92,7 @@ fn all_leaves_acknowledgements_as_they_are() {
 }
 
 #[test]
-fn one_of_all_may_be_switched_off() {
+fn a_single_message_may_be_switched_off_after_all() {
     let mut payload = Payload::connected(CALM, 1, &["ALL"]);
     payload.say("$BPLOG,NVG,OFF");
     payload.until(20.0);
@@ -105,7 +105,7 @@ fn one_of_all_may_be_switched_off() {
 }
 
 #[test]
-fn command_messages_come_unasked() {
+fn command_messages_come_without_a_subscription() {
     let text = CALM.replace(
         "[mission]",
         "[mission]\nshutdown_after_s = 70\ncommands = [{ at_s = 3, text = \"ping\" }]",
@@ -116,9 +116,10 @@ fn command_messages_come_unasked() {
     assert_eq!(payload.heard(), ["$BFMSC,080004.000,ping", "$BFSHT,080010.000"]);
 }
 
-/// Whoever holds control by BFCTL must know first that the mission runs: so the vehicle tells it, and so it repeats it.
+/// A client that takes control from BFCTL must know first that the mission runs. The vehicle sends the two in this
+/// order, and replays them in it.
 #[test]
-fn a_replay_tells_the_mission_before_control() {
+fn a_replay_sends_the_mission_status_before_control() {
     let text = format!("{CALM}\n[interpretation]\ncontrol_replay = true");
     let mut payload = Payload::connected(&text, 1, &[]);
     payload.until(10.0);
@@ -130,7 +131,7 @@ fn a_replay_tells_the_mission_before_control() {
             "$BFCTL,080010.000,1"
         ]
     );
-    // Only what was switched on, and only to who asked; switching off repeats nothing.
+    // The vehicle replays only what was switched on, and only to the client that asked. Switching off replays nothing.
     let other = ClientId(2);
     payload.connect(other);
     payload.say_as(other, "$BPLOG,CTL,ON");
@@ -142,9 +143,9 @@ fn a_replay_tells_the_mission_before_control() {
     assert_eq!(payload.heard(), Vec::<String>::new());
 }
 
-/// Vehicles in the field: BFCTL and BFMIS are on from the start, and come on the transition only.
+/// On vehicles in the field BFCTL and BFMIS are on from the start, and come only on a transition.
 #[test]
-fn a_field_vehicle_hands_over_once() {
+fn a_field_vehicle_announces_control_only_on_a_transition() {
     let field = CALM.replace("[spi]", "[spi]\nprofile = \"field\"");
     let mut payload = Payload::new(&field, 1);
     payload.until(10.0);
@@ -152,7 +153,7 @@ fn a_field_vehicle_hands_over_once() {
     payload.say("$BPLOG,CTL,ON");
     payload.say("$BPLOG,NVG,ON");
     payload.until(20.0);
-    // Connected after the hand-over, and told nothing of it.
+    // The client connected after the vehicle had granted control, and does not learn of that.
     assert_eq!(names(&payload.heard()), ["NVG", "VER"]);
     // The end of control is a transition again.
     payload.say("$BPLOG,NVG,OFF");
@@ -160,9 +161,9 @@ fn a_field_vehicle_hands_over_once() {
     assert_eq!(names(&payload.heard()), ["CTL", "MIS"]);
 }
 
-/// Sentences as real clients write them: LF alone, checksums in lower case, of one digit, or none, blank lines.
+/// Sentences as real clients write them: LF alone, checksums in lower case, of one digit or absent, blank lines.
 #[test]
-fn a_field_client_is_understood() {
+fn the_sentences_of_a_field_client_are_understood() {
     let sum = |body: &str| body.bytes().fold(0u8, |sum, byte| sum ^ byte);
     let mut payload = Payload::connected(&CALM.replace("[spi]", "[spi]\nprofile = \"field\""), 1, &["ACK"]);
     let bodies: Vec<String> = (0..900)
@@ -187,7 +188,7 @@ fn a_field_client_is_understood() {
             "{line:?}: {heard:?}"
         );
     }
-    // A wrong sum is no sentence.
+    // A line with a wrong checksum is not a sentence.
     payload.bytes(ME, format!("${lower}*{:02x}\n", sum(lower) ^ 1).as_bytes());
     assert_eq!(payload.heard(), Vec::<String>::new());
 }

@@ -1,4 +1,4 @@
-//! The mock as a payload meets it: sentences in, sentences out, and the truth beside them.
+//! The mock as a payload sees it: sentences in, sentences out, and the truth beside them.
 
 mod acoustic;
 mod adjustment;

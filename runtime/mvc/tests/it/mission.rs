@@ -4,7 +4,7 @@ use crate::files::{CALM, LIVELY};
 use crate::payload::{ME, Payload};
 
 #[test]
-fn a_mission_from_ready_to_completed_as_a_payload_hears_it() {
+fn a_payload_receives_each_transition_of_a_mission_from_ready_to_completed() {
     let mut payload = Payload::connected(CALM, 1, &["CTL", "MIS", "MBS", "MBE"]);
     assert_eq!(payload.mvc.truth().activity, Activity::Waiting);
     payload.until(0.9);
@@ -33,7 +33,7 @@ fn a_mission_from_ready_to_completed_as_a_payload_hears_it() {
 }
 
 #[test]
-fn control_falls_with_the_mission_and_its_time_limit_aborts_it() {
+fn the_time_limit_aborts_the_mission_and_control_ends_with_it() {
     let text = CALM.replace("[mission]", "[mission]\ntime_limit_s = 60");
     let mut payload = Payload::connected(&text, 1, &["CTL", "MIS"]);
     payload.until(120.0);
@@ -48,7 +48,7 @@ fn control_falls_with_the_mission_and_its_time_limit_aborts_it() {
 }
 
 #[test]
-fn dynamic_to_dynamic_is_no_transition() {
+fn control_stays_between_two_dynamic_elements() {
     let text = CALM.replace("kind = \"waypoint\"", "kind = \"waypoint\"\ndynamic = true");
     let mut payload = Payload::connected(&text, 1, &["CTL"]);
     payload.until(600.0);

@@ -14,7 +14,7 @@ fn modified(payload: &Payload) -> bool {
 }
 
 #[test]
-fn a_modify_lapses_five_seconds_after_the_last_one_between_two_steps() {
+fn a_modify_lapses_five_seconds_after_the_last_one_even_between_two_steps() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(10.0);
     payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
@@ -38,7 +38,7 @@ fn a_modify_lapses_five_seconds_after_the_last_one_between_two_steps() {
 }
 
 #[test]
-fn a_lapse_does_not_need_the_client() {
+fn a_modify_lapses_even_without_its_client() {
     let mut payload = Payload::connected(CALM, 1, &[]);
     payload.until(10.0);
     payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
@@ -54,7 +54,7 @@ fn a_late_refresh_finds_the_modify_lapsed() {
     let mut payload = Payload::connected(CALM, 1, &[]);
     payload.until(10.0);
     payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
-    // The driver overslept: the refresh comes before any timeout was handled.
+    // The driver woke late: the refresh comes before any timeout was handled.
     payload.now = backseat_units::Timestamp::from_millis(15_050);
     payload.say("$BPRMB,070000.001,90,15,0,1.5,1,0");
     assert!(
@@ -83,7 +83,7 @@ fn heading_depth_and_speed_are_flown_and_empty_fields_inherit() {
         payload.say("$BPRMB,070000.000,,40,1,,,");
     }
     let truth = payload.mvc.truth();
-    // 60 m of water and 40 m of altitude; speed of the plan again; heading back to its line.
+    // The altitude is 40 m in 60 m of water, the speed is the plan's again, and the vehicle heads back to its line.
     assert!(
         (truth.altitude_m - 40.0).abs() < 0.2 && (truth.speed_mps - 2.0).abs() < 0.02,
         "{truth:?}"
@@ -145,7 +145,7 @@ fn the_behavior_under_a_modify_ends_by_its_own_progress() {
         truth.local.east_m > 150.0 && (truth.local.north_m - 400.0).abs() < 5.0,
         "{truth:?}"
     );
-    // The next one allows no dynamic requests: the modify ended with control.
+    // The next behavior allows no dynamic requests: the modify ended with control.
     assert!(
         payload
             .log()
@@ -205,7 +205,7 @@ fn the_heading_frame_is_a_setting() {
     }
 }
 
-/// Modifies from the 10th second to another, and gives the vehicle then.
+/// Sends a modify each second, from the 10th second up to another, and returns the vehicle's truth then.
 fn flown(text: &str, fields: &str, until: u32) -> backseat_mvc::Truth {
     let mut payload = Payload::connected(text, 1, &[]);
     for second in 10..until {
@@ -221,7 +221,7 @@ fn flown(text: &str, fields: &str, until: u32) -> backseat_mvc::Truth {
 #[test]
 fn rudder_pitch_elevator_and_rpm_are_flown() {
     let heading = |seconds| flown(CALM, "10,,,,,1", seconds).heading_deg;
-    // Half of the greatest rudder at full way is half of the fastest turn, 5 degrees a second, to starboard.
+    // Half of the greatest rudder at full speed gives half of the fastest turn: 5 degrees a second, to starboard.
     let turned = backseat_units::math::wrap_180(heading(30) - heading(20));
     assert!((turned - 50.0).abs() < 2.0, "{turned}");
     let port = backseat_units::math::wrap_180(
@@ -239,11 +239,12 @@ fn rudder_pitch_elevator_and_rpm_are_flown() {
     assert!((speed_mps - 1.5).abs() < 0.01, "{speed_mps}");
 }
 
-/// SPI 7.12 calls rudder and elevator adjustments, and does not say of what.
+/// SPI 7.12 calls rudder and elevator values adjustments, and does not say of what.
 #[test]
-fn fins_may_be_a_change_of_what_the_behavior_steers() {
+fn fin_values_may_be_changes_of_what_the_behavior_steers() {
     let text = format!("{CALM}\n[interpretation]\nmodify_fins = \"change\"");
-    // On its line northward, with the rudder a little to starboard: it settles off to the east and goes on north.
+    // On its line to the north the vehicle has the rudder a little to starboard: it settles to the east of the line and
+    // goes on north.
     let truth = flown(&text, "2,-1,3,,,1", 150);
     assert!(truth.local.east_m > 0.5 && truth.local.east_m < 40.0, "{truth:?}");
     assert!(
@@ -280,7 +281,7 @@ fn beyond_the_safe_limits_a_modify_is_clipped_or_refused() {
                 heard[1].contains(&format!(",RMB,070000.001,0,{status},0,")),
                 "{reading} {fields}: {heard:?}"
             );
-            // What is in force stays, and its 5 s.
+            // The modify in force stays, and so do its 5 s.
             payload.until(14.9);
             assert!(modified(&payload));
             payload.until(15.0);
@@ -291,7 +292,7 @@ fn beyond_the_safe_limits_a_modify_is_clipped_or_refused() {
 
 /// SPI 7.22 to 7.24 ask for a mission that is "executing but the tailcone is not spinning": a payload can stop it.
 #[test]
-fn the_thruster_may_be_stopped_whatever_is_beyond_the_limits() {
+fn the_thruster_may_be_stopped_whatever_happens_to_values_beyond_the_limits() {
     for reading in ["clip", "refuse"] {
         let text = format!("{CALM}\n[interpretation]\nmodify_beyond = \"{reading}\"");
         for fields in [",,,0,1,", ",,,0,0,"] {
@@ -309,7 +310,7 @@ fn the_thruster_may_be_stopped_whatever_is_beyond_the_limits() {
     }
 }
 
-/// SPI 7.12 modifies "the current behavior", and does not say what becomes of it where that ends.
+/// SPI 7.12 modifies "the current behavior", and does not say what happens to the modify when that ends.
 #[test]
 fn a_modify_goes_on_with_the_next_behavior_or_ends_with_its_own() {
     let text = CALM.replace("kind = \"waypoint\"", "kind = \"waypoint\"\ndynamic = true");
@@ -338,7 +339,7 @@ fn a_modify_goes_on_with_the_next_behavior_or_ends_with_its_own() {
                 .map(|line| line.split_once(": ").map_or("", |(_, text)| text)),
             log
         );
-        // Either way the next one may be modified.
+        // Either way the payload may modify the next behavior.
         payload.say("$BPRMB,070000.000,90,,,,,");
         assert_eq!(
             payload.mvc.truth().activity,

@@ -6,7 +6,7 @@ use crate::payload::Payload;
 use crate::sentences::{field, off, place, seconds, with};
 
 #[test]
-fn navigation_comes_at_ten_hertz_in_pairs_with_one_stamp() {
+fn navigation_comes_at_ten_hertz_in_pairs_with_the_same_time() {
     let mut payload = Payload::connected(CALM, 1, &["NVG", "NVR"]);
     payload.until(2.0);
     let heard = payload.heard();
@@ -20,7 +20,7 @@ fn navigation_comes_at_ten_hertz_in_pairs_with_one_stamp() {
 }
 
 #[test]
-fn the_heading_is_the_grids() {
+fn the_heading_counts_from_grid_north() {
     let mut payload = Payload::connected(LIVELY, 1, &["NVG"]);
     payload.until(60.0);
     let heard = payload.heard();
@@ -103,7 +103,8 @@ fn position_drifts_under_water_and_stays_near_the_truth() {
     assert!(off_m > 0.001 && off_m < 8.0, "{off_m}");
 }
 
-/// SPI 6.1: the position's errors by their sources. Deep, at a steady 2 m/s for 1900 s, by 60 seeds.
+/// SPI 6.1: the errors of the position by their sources, with 60 seeds. The vehicle is deep and goes at a steady 2 m/s
+/// for 1000 s.
 #[test]
 fn with_bottom_lock_the_error_is_a_share_of_the_distance_and_a_walk() {
     let spread = |keys: &[(&str, &str)]| {
@@ -120,14 +121,14 @@ fn with_bottom_lock_the_error_is_a_share_of_the_distance_and_a_walk() {
             last,
         )
     };
-    // Perfect sensors know where they are: to the millimetres that the message rounds to.
+    // With perfect sensors the position is exact, to the millimetres to which the message rounds.
     let (across, along, ..) = spread(&[]);
     assert!(across < 0.02 && along < 0.02, "{across} {along}");
-    // 0.2 % of 1990 m and more, along the track alone, and as much of each part of the way as of another.
+    // 0.2 % of 1990 m and more, only along the track, and the same share of each part of the way.
     let (across, along, half, whole) = spread(&[("sensors.dvl", "scale_error = 0.002")]);
     assert!((3.0..5.2).contains(&along) && across < 0.1, "{across} {along}");
     assert!((whole.north_m / half.north_m - 2.0).abs() < 0.1, "{half:?} {whole:?}");
-    // The angle between log and inertial system, and the heading's error, lead across it.
+    // The angle between DVL and inertial system, and the error of the heading, lead across the track.
     for key in [
         ("sensors.dvl", "misalignment_deg = 0.1"),
         ("sensors.ins", "heading_bias_deg = 0.1"),
@@ -135,7 +136,7 @@ fn with_bottom_lock_the_error_is_a_share_of_the_distance_and_a_walk() {
         let (across, along, ..) = spread(&[key]);
         assert!((2.5..4.5).contains(&across) && along < 0.1, "{across} {along}");
     }
-    // 6 m by the root of an hour: 3.2 m each way after 1000 s.
+    // 6 m per root hour: 3.2 m each way after 1000 s.
     let (across, along, ..) = spread(&[("sensors", "position_drift_m_per_sqrt_h = 6")]);
     assert!(
         (2.4..4.0).contains(&across) && (2.4..4.0).contains(&along),
@@ -144,7 +145,7 @@ fn with_bottom_lock_the_error_is_a_share_of_the_distance_and_a_walk() {
 }
 
 #[test]
-fn the_errors_of_the_missions_of_today_stay_modest() {
+fn the_default_sensors_have_modest_errors() {
     let (before, after) = far()
         .split_once("[sensors]")
         .map(|(a, b)| (a.to_owned(), b.to_owned()))
@@ -159,7 +160,8 @@ fn the_errors_of_the_missions_of_today_stay_modest() {
     assert!(off.iter().all(|metres| *metres < 13.0), "{off:?}");
 }
 
-/// Out of the log's reach the velocity itself errs, so that the position's error grows faster than with lock.
+/// Out of the DVL's reach the velocity itself is wrong, so that the position's error grows faster than with bottom
+/// lock.
 #[test]
 fn without_bottom_lock_the_error_grows_with_the_time_to_the_power_of_three_halves() {
     let text = with(&far(), "sensors", "altitude_range_m = 10");
@@ -177,7 +179,7 @@ fn without_bottom_lock_the_error_grows_with_the_time_to_the_power_of_three_halve
 }
 
 #[test]
-fn without_bottom_lock_navigation_by_water_errs_by_the_change_of_the_current() {
+fn without_bottom_lock_navigation_by_water_is_wrong_by_the_change_of_the_current() {
     let text = far().replace(
         "[sensors]",
         "[current]\nspeed_mps = 0.4\ntowards_deg = 90\ndecay_depth_m = 5\n[sensors]",
@@ -185,7 +187,7 @@ fn without_bottom_lock_navigation_by_water_errs_by_the_change_of_the_current() {
     let text = with(&text, "sensors", "altitude_blanking_m = 58");
     let text = with(&text, "sensors.ins", "velocity_walk_mps_per_sqrt_s = 0");
     let by_water = with(&text, "sensors.ins", "without_lock = \"water\"");
-    // The last lock, 2 m down, saw five times the current that there is 10 m down: 0.21 m/s more.
+    // At the last lock, 2 m down, the current was five times that at 10 m: 0.21 m/s more.
     let off = flown(&by_water, 1, 300.0);
     let per_s = off.east_m / 280.0;
     assert!((0.17..0.24).contains(&per_s), "{off:?}");
@@ -193,7 +195,7 @@ fn without_bottom_lock_navigation_by_water_errs_by_the_change_of_the_current() {
 }
 
 #[test]
-fn gps_is_in_the_solution_on_the_surface_only_and_after_its_acquisition() {
+fn gps_is_in_the_solution_only_on_the_surface_and_after_its_acquisition() {
     let text =
         surfacing("acquisition_s = 20").replace("position_drift_m_per_sqrt_h = 0", "position_drift_m_per_sqrt_h = 30");
     let mut payload = Payload::connected(&text, 3, &["NVG"]);
@@ -203,7 +205,7 @@ fn gps_is_in_the_solution_on_the_surface_only_and_after_its_acquisition() {
     payload.until(up_s + 60.0);
     let heard = payload.heard();
     let quality = |line: &str| field(line, 6);
-    // From the surface it goes down with GPS in the solution; under water there is none.
+    // At the surface, before its dive, the vehicle has GPS in the solution; under water it has none.
     assert_eq!(quality(&heard[0]), 1.0);
     for line in heard.iter().filter(|line| field(line, 8) > 0.31) {
         assert_eq!(quality(line), 0.0, "{line}");
@@ -221,14 +223,12 @@ fn gps_is_in_the_solution_on_the_surface_only_and_after_its_acquisition() {
     assert!(jump_m > 1.0 && after_m < 0.1, "{jump_m} {after_m}");
     let log = payload.log();
     assert_eq!(
-        log.iter()
-            .filter(|line| line.contains("GPS is in the navigation"))
-            .count(),
+        log.iter().filter(|line| line.contains("navigation uses GPS")).count(),
         1
     );
     assert_eq!(
         log.iter()
-            .filter(|line| line.contains("navigation without GPS"))
+            .filter(|line| line.contains("navigation no longer uses GPS"))
             .count(),
         1
     );
@@ -242,7 +242,7 @@ fn a_receiver_that_fails_gives_no_fix_on_the_surface() {
     payload.until(0.5);
     assert!(payload.heard().iter().all(|line| field(line, 6) == 0.0));
     payload.mvc.fail_sensor(SensorFailure::Dropout(Sensor::Gps, false));
-    // It acquires anew: 5 s from the first step at which it works, at 0.6 s.
+    // The receiver acquires again: 5 s from the first step at which it works, at 0.6 s.
     payload.until(5.55);
     assert!(payload.heard().iter().all(|line| field(line, 6) == 0.0));
     payload.until(5.65);
@@ -265,9 +265,9 @@ fn fixes_have_the_spread_of_the_receiver() {
     }
 }
 
-/// SPI 6.1, 6.2: what others have subscribed to is no part of a reading.
+/// SPI 6.1, 6.2: what clients have subscribed to does not influence a reading.
 #[test]
-fn other_subscriptions_move_no_byte_of_the_navigation() {
+fn other_subscriptions_change_no_byte_of_the_navigation() {
     let run = |before: &[&str], later: &[&str]| {
         let mut payload = Payload::connected(LIVELY, 9, before);
         payload.until(50.0);
@@ -291,7 +291,7 @@ fn other_subscriptions_move_no_byte_of_the_navigation() {
     assert!(navigation == same && velocity == same_velocity);
     let (same, same_velocity, late_dvl, late_ctd) = run(&["CTL"], &["ALL"]);
     assert!(navigation == same && velocity == same_velocity);
-    // Nor does it matter to the other sensors since when they are listened to.
+    // For the other sensors it does not matter either since when they are subscribed.
     assert!(dvl == late_dvl && ctd == late_ctd && dvl.len() > 100 && ctd.len() > 20);
 }
 
@@ -306,7 +306,7 @@ fn frozen_navigation_repeats_its_solution_and_goes_on() {
     assert_eq!(frozen.len(), 100);
     let tail = |line: &str| line[17..].to_owned();
     for (index, line) in frozen.iter().enumerate() {
-        // All but the time of the message: solution time and values too.
+        // Everything but the time of the message is repeated: the solution's time and the values too.
         assert_eq!(tail(line), tail(&before[before.len() - 2 + index % 2]));
     }
     assert!(frozen[98].starts_with("$BFNVG,235905.000,") && frozen[98].ends_with(",235900.000"));
@@ -318,7 +318,7 @@ fn frozen_navigation_repeats_its_solution_and_goes_on() {
 }
 
 #[test]
-fn navigation_jumps_and_the_vehicle_follows_it_and_falls_silent() {
+fn the_vehicle_follows_a_jump_of_its_navigation_and_navigation_can_fall_silent() {
     let mut payload = Payload::connected(CALM, 1, &["NVG", "NVR"]);
     payload.until(100.0);
     payload.heard();
@@ -326,7 +326,7 @@ fn navigation_jumps_and_the_vehicle_follows_it_and_falls_silent() {
     payload.until(100.1);
     let line = payload.heard().swap_remove(0);
     assert!((off(&payload, &line).east_m - 8.0).abs() < 0.01);
-    // It steers the solution back to the line, and is itself 8 m beside it.
+    // The vehicle steers the solution back to the line, and is itself 8 m beside it.
     payload.until(160.0);
     let east_m = payload.mvc.truth().local.east_m;
     assert!((east_m + 8.0).abs() < 1.5, "{east_m}");
@@ -340,7 +340,7 @@ fn navigation_jumps_and_the_vehicle_follows_it_and_falls_silent() {
 }
 
 #[test]
-fn a_heading_is_held_as_the_vehicle_reads_it() {
+fn heading_and_depth_are_held_as_the_vehicle_reads_them() {
     let text = with(
         &with(CALM, "sensors.ins", "heading_bias_deg = 5"),
         "sensors.depth",
@@ -365,7 +365,7 @@ fn a_heading_is_held_as_the_vehicle_reads_it() {
 }
 
 #[test]
-fn sensors_that_fail_take_their_share_of_the_navigation() {
+fn a_failed_sensor_takes_its_part_out_of_the_navigation() {
     let mut payload = Payload::connected(CALM, 1, &["NVG"]);
     payload.until(5.0);
     payload.mvc.fail_sensor(SensorFailure::Dropout(Sensor::Depth, true));
@@ -396,7 +396,7 @@ fn sensors_that_fail_take_their_share_of_the_navigation() {
     assert!(payload.log().iter().any(|line| line.contains("bottom lock lost")));
 }
 
-/// Up, down 5 m, up again, all in place.
+/// A plan that begins at the surface, dives to 6 m, and comes up again.
 fn surfacing(gps: &str) -> String {
     let plan = "[[plan]]\nkind = \"setpoint\"\nheading_deg = 0\nduration_s = 60\ndepth_m = 6\nspeed_mps = 1.5\n\
         [[plan]]\nkind = \"setpoint\"\nheading_deg = 0\nduration_s = 400\ndepth_m = 0\nspeed_mps = 1.5\n";
@@ -412,7 +412,7 @@ fn far() -> String {
     with(&format!("{before}{plan}"), "vehicle", "tick_hz = 2")
 }
 
-/// How far off the navigation is so many seconds after the start, without the reading's own noise.
+/// The error of the navigation this many seconds after the start, without the noise of the reading itself.
 fn flown(text: &str, seed: u64, seconds: f64) -> EastNorth {
     let mut payload = Payload::connected(text, seed, &[]);
     payload.until(seconds - 0.6);

@@ -15,7 +15,7 @@ pub(crate) struct Payload {
     out: Vec<u8>,
 }
 
-/// The client of all tests with one.
+/// The client of all tests that have only one.
 pub(crate) const ME: ClientId = ClientId(1);
 
 impl Payload {
@@ -35,7 +35,7 @@ impl Payload {
         }
     }
 
-    /// Connected as [`ME`], with these messages on and what that was answered thrown away.
+    /// A payload that is connected as [`ME`] and has these messages on. What it has received so far is dropped.
     pub(crate) fn connected(text: &str, seed: u64, messages: &[&str]) -> Self {
         let mut payload = Self::new(text, seed);
         payload.connect(ME);
@@ -68,7 +68,7 @@ impl Payload {
         self.drain();
     }
 
-    /// Lets the time pass to so many seconds after the start.
+    /// Lets the time pass until this many seconds after the start.
     pub(crate) fn until(&mut self, seconds: f64) {
         let end = Timestamp::ZERO + Duration::from_secs_f64(seconds);
         while let Some(at) = self.mvc.poll_timeout().filter(|at| *at <= end) {
@@ -79,7 +79,8 @@ impl Payload {
         self.now = end;
     }
 
-    /// Lets the time pass until something holds, at most so many seconds.
+    /// Lets the time pass until the condition holds, at most until this many seconds after the start. Returns whether
+    /// it holds.
     pub(crate) fn until_that(&mut self, seconds: f64, holds: impl Fn(&Truth) -> bool) -> bool {
         let end = Timestamp::ZERO + Duration::from_secs_f64(seconds);
         while let Some(at) = self.mvc.poll_timeout().filter(|at| *at <= end) {
@@ -93,7 +94,7 @@ impl Payload {
         false
     }
 
-    /// What [`ME`] has heard since last asked, without the checksums, which were checked.
+    /// What [`ME`] has received since the last call, without the checksums, which were checked.
     pub(crate) fn heard(&mut self) -> Vec<String> {
         self.heard_by(ME)
     }
@@ -102,7 +103,7 @@ impl Payload {
         self.lines.remove(&client).unwrap_or_default()
     }
 
-    /// Events of the vehicle since last asked, as its log shows them.
+    /// The vehicle's events since the last call, as its log shows them.
     pub(crate) fn log(&mut self) -> Vec<String> {
         self.events.drain(..).map(|event| event.to_string()).collect()
     }
@@ -124,7 +125,7 @@ impl Payload {
     }
 }
 
-/// The sentence without its checksum. The sum is computed here anew: the tests share no code with the writer.
+/// The sentence without its checksum. The test computes the checksum itself, because it shares no code with the writer.
 fn checked(line: &str) -> String {
     let (body, sum) = line.split_at(line.len() - 3);
     let xor = body.trim_start_matches('$').bytes().fold(0, |xor, byte| xor ^ byte);
@@ -132,7 +133,7 @@ fn checked(line: &str) -> String {
     body.to_owned()
 }
 
-/// A trackline of 100 m eastward, so many hundredths of a minute north of 42 degrees 18 minutes.
+/// A trackline of 100 m to the east, this many hundredths of a minute north of 42 degrees 18 minutes.
 pub(crate) fn line(id: u32, hundredths: u32, interrupt: u32) -> String {
     format!(
         "$BPRTK,0700{:02}.000,{id},4218.{hundredths:02},N,07054.00,W,4218.{hundredths:02},N,07053.93,W,0,10,2,0,{interrupt}",

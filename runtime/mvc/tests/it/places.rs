@@ -54,7 +54,7 @@ fn flown(interpretation: &str, said: &[(f64, String)]) -> String {
 
 /// SPI 7.5, sentence by sentence: when each insert is asked for, whether it interrupts, and what is flown.
 #[test]
-fn inserts_have_their_place_by_the_letter_of_the_section() {
+fn inserts_have_the_place_that_the_section_says() {
     // What the section says, the settings, each insert's second, identifier and interrupt code, and what is flown.
     type Case = (&'static str, &'static str, &'static [(f64, u32, u32)], &'static str);
     let cases: &[Case] = &[
@@ -152,10 +152,10 @@ fn inserts_have_their_place_by_the_letter_of_the_section() {
     }
 }
 
-/// SPI 6.20: "the sequence of waypoints contained in a series of BFPLN messages will accurately describe a mission's planned
-/// course": an insert is told where it will be flown.
+/// SPI 6.20: "the sequence of waypoints contained in a series of BFPLN messages will accurately describe a mission's
+/// planned course": the plan has an insert where the vehicle will fly it.
 #[test]
-fn the_plan_tells_an_insert_at_its_place() {
+fn the_plan_has_an_insert_at_its_place() {
     for (second, interpretation, expected) in [
         (10.0, "", "1 2 i5 i5 3 3 4 5"),
         (10.0, "insert_place = \"current\"", "1 i5 i5 2 3 3 4 5"),
@@ -185,7 +185,7 @@ fn the_plan_tells_an_insert_at_its_place() {
 /// SPI 7.8: "If the behavior has already begun executing, it is not possible to cancel it": also one that waits to be
 /// resumed.
 #[test]
-fn an_interrupted_insert_is_not_cancelled_either() {
+fn an_interrupted_insert_cannot_be_cancelled_either() {
     let mut payload = Payload::connected(&plan("after_interrupt = \"resume\""), 1, &["ACK"]);
     payload.until(10.0);
     payload.say(&line(5, 15, 0));
@@ -198,8 +198,8 @@ fn an_interrupted_insert_is_not_cancelled_either() {
 
 /// SPI 7.8 does not say whose behaviors BPRCN cancels.
 #[test]
-fn cancel_takes_that_of_any_client_or_only_its_own() {
-    for (scope, answer) in [("all", "2,0,"), ("own", "1,0,the behavior is of another client")] {
+fn cancel_accepts_the_insert_of_any_client_or_only_its_own() {
+    for (scope, answer) in [("all", "2,0,"), ("own", "1,0,the behavior is another client's")] {
         let mut payload = Payload::connected(&plan(&format!("cancel_scope = \"{scope}\"")), 1, &["ACK"]);
         let other = backseat_mvc::ClientId(2);
         payload.connect(other);
@@ -244,7 +244,7 @@ fn a_pending_insert_is_cancelled_after_it_was_accepted() {
 }
 
 /// SPI 7.19: "this command will always return an immediate, initial pending acknowledgement, followed by the BFPLN
-/// messages, followed by the final success/failure": each request its own, in their order.
+/// messages, followed by the final success/failure": each request gets its own, in order.
 #[test]
 fn two_requests_for_the_plan_are_both_answered() {
     let mut payload = Payload::connected(&plan(""), 1, &["ACK"]);

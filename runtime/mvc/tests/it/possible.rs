@@ -1,5 +1,5 @@
-//! The mock's motion is one that a vehicle can make, and what it tells of it agrees with itself (SPI 6.1, 6.2, 6.13,
-//! 6.14, 6.17 to 6.19). Whoever watches navigation for what cannot be true finds nothing here.
+//! The mock moves only as a vehicle can move, and its messages about that agree with each other (SPI 6.1, 6.2, 6.13,
+//! 6.14, 6.17 to 6.19). A client that looks for impossible navigation finds none here.
 
 mod inspector;
 mod log;
@@ -16,15 +16,16 @@ use record::{Flight, Step, drawn};
 /// What a vehicle can do at most: `mock.md` says the same.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
-    /// Change of the velocity over ground in a second, horizontally: the sharpest turn at full speed, and the thruster.
+    /// Change of the horizontal velocity over ground in a second: by the sharpest turn at full speed, and by the
+    /// thruster.
     horizontal_mps2: f64,
-    /// The same vertically: full speed times the fastest change of pitch; a hovering vehicle's thrusters.
+    /// The same vertically: full speed times the fastest change of pitch, or a hovering vehicle's thrusters.
     vertical_mps2: f64,
     yaw_dps: f64,
     pitch_dps: f64,
     roll_dps: f64,
     down_mps: f64,
-    /// Through the water, along its axis.
+    /// Speed through the water, along the vehicle's axis.
     speed_mps: f64,
     /// The narrowest turn through the water; a hovering vehicle turns on the spot.
     radius_m: f64,
@@ -63,7 +64,7 @@ impl Kind {
                 speed_mps: 2.31,
                 radius_m: 12.0,
             },
-            // Let go across a current of half a metre a second, the water takes it along broadside.
+            // When the vehicle drifts across a current of half a metre a second, the water takes it along broadside.
             Self::SixDof => Bounds {
                 horizontal_mps2: 1.5,
                 vertical_mps2: 0.8,
@@ -88,7 +89,7 @@ impl Kind {
     }
 }
 
-/// Standard deviations of what is told, as the missions here have them.
+/// Standard deviations of the readings, as the missions here have them.
 #[derive(Clone, Copy, Debug)]
 struct Noise {
     position_m: f64,
@@ -113,10 +114,10 @@ impl Noise {
     }
 }
 
-/// So many standard deviations are not exceeded in the hundred thousand readings of these flights.
+/// The hundred thousand readings of these flights do not exceed this many standard deviations.
 const SIGMAS: f64 = 5.5;
 
-/// The worst of each thing that was looked at, as a share of what is allowed, and where it was.
+/// For each check the worst value, as a share of what is allowed, and where it was.
 #[derive(Debug, Default)]
 struct Worst(BTreeMap<&'static str, (f64, String)>);
 
@@ -131,7 +132,7 @@ impl Worst {
         }
     }
 
-    /// What is beyond what is allowed is named; beside it stands everything that was looked at.
+    /// Panics if anything is beyond what is allowed, and names that first and then everything that was checked.
     fn assert(&self) {
         let told = |(what, (share, told)): (&&str, &(f64, String))| format!("{share:6.2} {what}: {told}\n");
         let all: String = self.0.iter().map(told).collect();
@@ -150,7 +151,7 @@ fn check(flight: &Flight, noise: Noise, worst: &mut Worst) {
     }
 }
 
-/// One step and the next.
+/// Checks one step and the next.
 fn successive(flight: &Flight, noise: Noise, before: &Step, now: &Step, worst: &mut Worst) {
     let (dt_s, bounds) = (flight.dt_s, flight.kind.bounds());
     let (was, is) = (&before.velocity, &now.velocity);
@@ -177,13 +178,13 @@ fn successive(flight: &Flight, noise: Noise, before: &Step, now: &Step, worst: &
         now,
     );
     worst.look("depth rate", is.down_mps, bounds.down_mps, flight, now);
-    // A current of half a metre a second runs at most.
+    // The current is at most half a metre a second.
     let over_ground_mps = hypot(now.truth.east_mps, now.truth.north_mps);
     worst.look("speed", over_ground_mps, bounds.speed_mps + 0.5, flight, now);
     worst.look("yaw rate", is.yaw_rate_dps, bounds.yaw_dps + 0.001, flight, now);
     worst.look("pitch rate", is.pitch_rate_dps, bounds.pitch_dps, flight, now);
     worst.look("roll rate", is.roll_rate_dps, bounds.roll_dps, flight, now);
-    // A mean of two rates is what was turned, but for how the body's own rate curves between two readings.
+    // The mean of two rates gives the turn between them, except for how a body's rate curves between two readings.
     let curve_deg = if flight.kind == Kind::SixDof {
         1.6 * dt_s * dt_s
     } else {
@@ -198,7 +199,7 @@ fn successive(flight: &Flight, noise: Noise, before: &Step, now: &Step, worst: &
     worst.look("pitch by its rate", pitched_deg, most_deg, flight, now);
     let rolled_deg = now.navigation.roll_deg - before.navigation.roll_deg;
     let rolled_deg = rolled_deg - 0.5 * dt_s * (was.roll_rate_dps + is.roll_rate_dps);
-    // Roll is the quickest of its motions.
+    // Roll is the quickest of the body's motions.
     worst.look("roll by its rate", rolled_deg, most_deg + 3.0 * curve_deg, flight, now);
     if bounds.radius_m > 0.0 && is.yaw_rate_dps.abs() > 0.5 {
         let radius_m = now.truth.speed_mps.max(0.0) / is.yaw_rate_dps.to_radians().abs();
@@ -222,7 +223,7 @@ fn successive(flight: &Flight, noise: Noise, before: &Step, now: &Step, worst: &
     }
 }
 
-/// Whole windows: what was integrated over them is what has changed.
+/// Checks whole windows: what was integrated over a window must be what has changed.
 fn windows(flight: &Flight, noise: Noise, seconds: f64, worst: &mut Worst) {
     // A body's velocity curves between two readings that are a second apart.
     let curve = if flight.kind == Kind::SixDof {
@@ -289,7 +290,7 @@ fn a_kinematic_vehicles_motion_is_possible() {
 }
 
 #[test]
-fn a_body_with_six_degrees_of_freedom_moves_as_one() {
+fn the_motion_of_a_body_with_six_degrees_of_freedom_is_possible() {
     many(&[Kind::SixDof], 0..15);
 }
 

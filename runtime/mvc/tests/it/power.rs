@@ -9,7 +9,7 @@ fn with(power: &str) -> String {
 // SPI 6.8: "A separate message will be sent for each battery. A special pseudo battery 0 will be sent for systems with
 // multiple batteries."
 #[test]
-fn each_battery_reports_and_one_for_all() {
+fn each_battery_reports_and_so_does_a_pseudo_battery_for_all() {
     let mut payload = Payload::connected(&with(""), 1, &["RBS"]);
     payload.until(25.0);
     let heard = payload.heard();
@@ -61,7 +61,7 @@ fn the_battery_runs_down_with_the_cube_of_the_speed() {
 // down."
 #[test]
 fn an_empty_battery_shuts_the_payload_down_with_a_minutes_notice() {
-    // A watt-hour a second: half empty at 50 s.
+    // A watt-hour a second: the battery is half empty at 50 s.
     let text = with("capacity_wh = 100\nhotel_w = 3600\npropulsion_w_at_1_mps = 0\nshutdown_below_percent = 50");
     let mut payload = Payload::connected(&text, 1, &[]);
     payload.until(49.8);
@@ -74,13 +74,13 @@ fn an_empty_battery_shuts_the_payload_down_with_a_minutes_notice() {
     assert!(payload.cut_off.is_empty());
     payload.until(at + 60.1);
     assert_eq!(payload.cut_off, [ME]);
-    // And no power for another.
+    // A new client gets no power either.
     payload.connect(ME);
     assert_eq!(payload.cut_off, [ME, ME]);
 }
 
 #[test]
-fn the_notice_is_never_short_of_a_minute() {
+fn the_notice_is_never_shorter_than_a_minute() {
     for after_s in ["60", "60.05", "60.1", "99.95"] {
         let text = CALM.replace("[mission]", &format!("[mission]\nshutdown_after_s = {after_s}"));
         let mut payload = Payload::connected(&text, 1, &[]);

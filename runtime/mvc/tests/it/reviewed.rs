@@ -9,7 +9,7 @@ fn refusal(text: &str) -> String {
     Mvc::new(&file, 1).expect_err("it cannot be flown").to_string()
 }
 
-/// A depth that the water does not have would be flown as another one.
+/// The vehicle could fly a depth below the seabed only as another depth.
 #[test]
 fn a_plan_below_the_seabed_is_refused_with_its_place() {
     let fault = refusal(&CALM.replacen("depth_m = 60", "depth_m = 8", 1));
@@ -17,7 +17,7 @@ fn a_plan_below_the_seabed_is_refused_with_its_place() {
         fault.starts_with("plan element 1: the water is 8.00 m deep at 0 m east") && fault.contains("at least 10.00 m"),
         "{fault}"
     );
-    // To the centimetre.
+    // The limit is exact to the centimetre.
     for (water_m, fits) in [("9.99", false), ("10.01", true)] {
         let text = CALM.replacen("depth_m = 60", &format!("depth_m = {water_m}"), 1);
         let file = WorldFile::from_toml(&text).expect("every value is in its range");
@@ -37,7 +37,7 @@ fn a_start_below_the_seabed_is_refused() {
 /// SPI 6.20: "the sequence of waypoints contained in a series of BFPLN messages will accurately describe a mission's
 /// planned course".
 #[test]
-fn the_plan_tells_lines_with_their_leads() {
+fn the_plan_contains_lines_with_their_lead_ins_and_lead_outs() {
     let text = CALM
         .replacen("kind = \"trackline\"", "kind = \"trackline\"\nlead_in_m = 200", 1)
         .replace("[spi]", "[interpretation]\nlead_in_m = 50\n[spi]");
@@ -52,7 +52,8 @@ fn the_plan_tells_lines_with_their_leads() {
         .filter(|line| line.starts_with("$BFPLN"))
         .filter_map(|line| line.split(',').nth(6)?.strip_prefix("42")?.parse().ok())
         .collect();
-    // A minute of latitude is some 1851 m here: 20 m less 200 m, 400 m and 200 m, then 50 m before and after.
+    // A minute of latitude is some 1851 m here. The line goes from 20 m less 200 m to 400 m and 200 m; the insert has
+    // 50 m before and after it.
     let expected = [17.9028, 18.3241, 18.0730, 18.2270];
     for (minutes, expected) in minutes.iter().zip(expected) {
         assert!((minutes - expected).abs() < 0.0005, "{minutes} {expected}");
@@ -75,9 +76,9 @@ fn the_interrupt_code_has_a_default() {
     assert_eq!(payload.heard(), ["$BFACK,080005.000,RTC,070000.000,13,2,0,"]);
 }
 
-/// SPI 6.12: BFERC "is only provided on vehicles with tailcones": what has none does not wait for it to stop.
+/// SPI 6.12: BFERC "is only provided on vehicles with tailcones": a vehicle without one does not wait for it to stop.
 #[test]
-fn a_hovering_vehicle_has_no_tailcone_that_spins() {
+fn a_hovering_vehicle_has_no_spinning_tailcone() {
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     payload.until(5.0);
     payload.say("$BPSIL,070000.000,1");
@@ -91,7 +92,7 @@ fn a_hovering_vehicle_has_no_tailcone_that_spins() {
 }
 
 #[test]
-fn a_fault_of_a_command_that_is_none_is_refused() {
+fn a_fault_of_an_unknown_command_is_refused() {
     let text = format!("{CALM}\n[[faults.fault]]\nat_s = 1\nfor_s = 1\nkind = \"acks_lost\"\ncommand = \"ZZZ\"\n");
     let fault = WorldFile::from_toml(&text)
         .expect_err("there is no such command")
@@ -102,24 +103,24 @@ fn a_fault_of_a_command_that_is_none_is_refused() {
     );
 }
 
-/// What is not answered is at least told of, a line a second at most.
+/// The vehicle logs what it does not answer, in one line a second at most.
 #[test]
-fn what_is_no_sentence_is_counted_in_the_log() {
+fn bytes_that_are_no_sentence_are_counted_in_the_log() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(1.0);
     payload.log();
     payload.bytes(ME, b"$BPMSG,070000.000,x*00\r\n$BPMSG ,070000.000,x\r\nnoise\r\n");
     payload.bytes(ME, b"$BPMSG,070000.000,x*00\r\n");
     let told =
-        |log: Vec<String>| -> Vec<String> { log.into_iter().filter(|line| line.contains("no sentence")).collect() };
+        |log: Vec<String>| -> Vec<String> { log.into_iter().filter(|line| line.contains("invalid input")).collect() };
     assert_eq!(
         told(payload.log()),
-        ["1.000 s: client 1 sent what is no sentence: 1 with a wrong checksum; 1 without a name; 5 bytes of noise"]
+        ["1.000 s: client 1 sent invalid input: 1 with a wrong checksum; 1 without a name; 5 bytes of noise"]
     );
     payload.until(2.0);
     payload.bytes(ME, b"$BPMSG,070000.000,x*00\r\n");
     assert_eq!(
         told(payload.log()),
-        ["2.000 s: client 1 sent what is no sentence: 2 with a wrong checksum"]
+        ["2.000 s: client 1 sent invalid input: 2 with a wrong checksum"]
     );
 }

@@ -1,4 +1,4 @@
-//! Who may connect as whom, and what is said to a role (SPI 4.1, 5.1).
+//! Which client gets which role, and what the vehicle sends to a role (SPI 4.1, 5.1).
 
 use std::net::SocketAddr;
 
@@ -23,7 +23,7 @@ fn address(text: &str) -> Option<SocketAddr> {
 }
 
 #[test]
-fn the_pattern_with_the_port_wins_wherever_it_stands() {
+fn the_pattern_with_the_port_wins_at_any_place_of_the_list() {
     // SPI 4.1: "if a client connects using port 12345, it gets the role bar, otherwise it gets the role foo; or, two
     // clients may be connected".
     for roles in [
@@ -35,7 +35,7 @@ fn the_pattern_with_the_port_wins_wherever_it_stands() {
         payload.connect_from(TWO, address("127.0.0.1:40000"));
         assert_eq!(payload.mvc.role(ONE), Some("bar"));
         assert_eq!(payload.mvc.role(TWO), Some("foo"));
-        // Both roles are held: a third one that fits is turned away.
+        // Both roles are taken: a third client whose address fits is turned away.
         payload.connect_from(THREE, address("127.0.0.1:40001"));
         assert_eq!(payload.cut_off, [THREE]);
         assert!(
@@ -49,7 +49,7 @@ fn the_pattern_with_the_port_wins_wherever_it_stands() {
 }
 
 #[test]
-fn a_client_whose_own_role_is_held_takes_the_general_one() {
+fn a_client_whose_own_role_is_taken_gets_the_general_one() {
     let mut payload = vehicle("127.0.0.1::foo,127.0.0.1:12345:bar,10.0.0.7::bar", WithoutRole::Refuse);
     payload.connect_from(ONE, address("10.0.0.7:1"));
     payload.connect_from(TWO, address("127.0.0.1:12345"));
@@ -58,7 +58,7 @@ fn a_client_whose_own_role_is_held_takes_the_general_one() {
 }
 
 #[test]
-fn a_role_is_one_clients_and_free_when_it_has_gone() {
+fn a_role_belongs_to_one_client_and_is_free_when_that_has_disconnected() {
     // SPI 4.1: "The above example only allows a single connection, since only one role is defined. But, if one payload
     // disconnects, a different one can connect and use the now released role."
     let mut payload = vehicle("127.0.0.1:12345:foo,192.168.10.10::foo", WithoutRole::Refuse);
@@ -84,7 +84,7 @@ fn a_role_is_one_clients_and_free_when_it_has_gone() {
 fn a_client_that_is_cut_off_gives_its_role_back() {
     let mut payload = vehicle("127.0.0.1::foo", WithoutRole::Refuse);
     payload.connect_from(ONE, address("127.0.0.1:1"));
-    // It never fetches what it asks for.
+    // The client never reads the answers.
     let flood = "$BPLOG,ACK,ON\r\n$BPMSG,070000.000,x\r\n".repeat(60_000);
     payload.mvc.receive(payload.now, ONE, flood.as_bytes());
     payload.connect_from(TWO, address("127.0.0.1:2"));
@@ -92,7 +92,7 @@ fn a_client_that_is_cut_off_gives_its_role_back() {
 }
 
 #[test]
-fn strangers_are_turned_away_or_served_as_the_setting_says() {
+fn clients_without_a_role_are_turned_away_or_served_as_the_setting_says() {
     let mut payload = vehicle("192.168.10.10::foo", WithoutRole::Refuse);
     payload.connect_from(ONE, address("127.0.0.1:1"));
     assert_eq!(payload.cut_off, [ONE]);
@@ -100,7 +100,7 @@ fn strangers_are_turned_away_or_served_as_the_setting_says() {
         payload
             .log()
             .iter()
-            .any(|line| line.ends_with("no role is meant for its address"))
+            .any(|line| line.ends_with("its address has no role"))
     );
 
     let mut payload = vehicle("192.168.10.10::foo", WithoutRole::Accept);
@@ -119,7 +119,7 @@ fn without_roles_everybody_is_served() {
     assert_eq!((payload.heard_by(ONE).len(), payload.heard_by(TWO).len()), (1, 1));
 }
 
-/// BFMSC, SPI 5.1, from the file.
+/// SPI 5.1: BFMSC from the file.
 #[test]
 fn a_mission_command_goes_to_the_role_or_to_all() {
     let text = CALM.replace(
@@ -144,7 +144,7 @@ role = "camera"
 text = "look"
 [mission]"#,
     );
-    // `[spi]` stands after its own roles in this file, as TOML allows.
+    // In this file `[spi]` comes after its own roles, as TOML allows.
     let mut payload = Payload::new(&text, 1);
     payload.connect_from(ONE, address("127.0.0.1:1"));
     payload.connect_from(TWO, address("127.0.0.1:2"));
@@ -161,7 +161,7 @@ text = "look"
     let log = payload.log();
     assert!(
         log.iter()
-            .any(|line| line.ends_with("BFMSC is for camera and nobody holds that role")),
+            .any(|line| line.ends_with("BFMSC is for the role camera, which no client holds")),
         "{log:?}"
     );
 }

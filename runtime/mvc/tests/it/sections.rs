@@ -22,9 +22,9 @@ pub(crate) struct Section {
     number: &'static str,
     /// The promise, in the section's words.
     says: &'static str,
-    /// What is put before the calm world's file, and what its lines are replaced by.
+    /// The world of the conversation.
     world: World,
-    /// What is switched on at the connection; what that was answered is not part of the conversation.
+    /// The messages that are switched on at the connection. The answers to that are not part of the conversation.
     on: &'static [&'static str],
     talk: &'static [Step],
 }
@@ -34,25 +34,25 @@ pub(crate) enum World {
     Calm,
     /// A hovering vehicle beside a ship.
     Harbour,
-    /// These lines come in, each after the header of its section: `[mission]`, `wrap_up = "surface"`.
+    /// The calm world with these lines, each after the header of its section: `[mission]`, `wrap_up = "surface"`.
     With(&'static [(&'static str, &'static str)]),
 }
 
 /// A step of a conversation.
 pub(crate) enum Step {
-    /// The time passes to so many seconds after the start.
+    /// The time passes until this many seconds after the start.
     Until(f64),
     /// The client sends this.
     Say(&'static str),
     /// The vehicle has sent a sentence that begins like this, after the one that was found last.
     Hear(&'static str),
-    /// The vehicle has sent none that begins like this since the sentence that was found last.
+    /// The vehicle has sent no sentence that begins like this since the one that was found last.
     Never(&'static str),
-    /// The vehicle is like this.
+    /// The condition holds for the vehicle.
     Is(&'static str, fn(&Truth) -> bool),
-    /// The vehicle comes to be like this within so many seconds.
+    /// The condition comes to hold for the vehicle within this many seconds.
     Becomes(f64, &'static str, fn(&Truth) -> bool),
-    /// What has been heard is forgotten.
+    /// Forgets the sentences that were received so far.
     Forget,
 }
 
@@ -95,7 +95,7 @@ fn world(of: &World) -> String {
     text
 }
 
-/// Has the conversation. An error says where it went otherwise.
+/// Holds the conversation. An error says where it went differently.
 fn talk(section: &Section) -> Result<(), String> {
     let mut payload = Payload::new(&world(&section.world), 1);
     payload.connect(ME);
@@ -154,7 +154,7 @@ fn the_vehicle_keeps_what_each_section_promises() {
 fn every_section_has_a_conversation() {
     let covered: BTreeSet<&str> = sections().map(|section| section.number).collect();
     let mut expected: BTreeSet<&str> = catalogue().iter().map(|entry| entry.section).collect();
-    // What is no message of its own.
+    // These sections describe no message.
     expected.extend(["4.1", "4.2", "4.3", "4.4"]);
     assert_eq!(expected.len(), 75);
     let missing: Vec<_> = expected.difference(&covered).collect();
@@ -166,7 +166,7 @@ fn every_section_has_a_conversation() {
 }
 
 #[test]
-fn every_command_is_said_in_the_conversation_of_its_section() {
+fn every_message_occurs_in_the_conversation_of_its_section() {
     for entry in catalogue().iter().filter(|entry| entry.name.starts_with("BP")) {
         let said = sections()
             .filter(|section| section.number == entry.section)

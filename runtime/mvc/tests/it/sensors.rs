@@ -14,7 +14,7 @@ fn moments(values: &[f64]) -> (f64, f64) {
     (mean, square.sqrt())
 }
 
-/// Readings of one field, taken while the vehicle is held on the surface, so that nothing but noise moves them.
+/// Readings of one field, taken while the vehicle stays on the surface, so that only noise changes them.
 fn held(text: &str, seed: u64, message: &str, index: usize) -> Vec<f64> {
     let text = with(text, "mission", "starts_after_s = 1000");
     let (_, heard) = heard(&text, seed, message, 0.0, 100.0);
@@ -23,7 +23,7 @@ fn held(text: &str, seed: u64, message: &str, index: usize) -> Vec<f64> {
 
 const TAILCONE: [&str; 10] = ["CTD", "DV2", "DVL", "ERC", "IMU", "NVG", "NVR", "RCM", "RDP", "RVL"];
 
-/// SPI 6: each message at its own rate, to those who have switched it on.
+/// SPI 6: each message comes at its own rate, to the clients that have switched it on.
 #[test]
 fn every_sensor_has_its_rate_and_its_subscribers() {
     for (message, per_s) in [
@@ -75,7 +75,7 @@ fn noise_has_the_spread_that_is_set_and_no_bias_of_its_own() {
         let mut all = Vec::new();
         for seed in 0..4 {
             let mut readings = held(&text, seed, message, index);
-            // Headings about north.
+            // Headings around north.
             if matches!((message, index), ("RCM", 3) | ("NVG", 9)) {
                 readings.iter_mut().for_each(|deg| *deg = wrap_180(*deg));
             }
@@ -88,7 +88,7 @@ fn noise_has_the_spread_that_is_set_and_no_bias_of_its_own() {
         } else {
             perfect[0]
         };
-        // The depth of a vehicle on the surface is read as a wave's, a little above it too.
+        // On the surface the vehicle may also read a depth a little above it, as in a wave.
         assert!(
             (mean - truth).abs() < 4.5 * deviation / count.sqrt() + 1e-3,
             "{key}: {mean} {truth}"
@@ -136,7 +136,7 @@ fn a_bias_is_constant_in_a_run_and_has_its_spread_over_seeds() {
 
 /// SPI 6.5.
 #[test]
-fn the_compass_reads_magnetic_north_and_is_deviated_by_its_heading() {
+fn the_compass_reads_magnetic_north_with_a_deviation_that_depends_on_the_heading() {
     let text = with(CALM, "sensors.compass", "declination_deg = -14");
     let (payload, lines) = heard(&text, 1, "RCM", 0.0, 60.0);
     let line = lines.last().expect("a compass");
@@ -145,7 +145,7 @@ fn the_compass_reads_magnetic_north_and_is_deviated_by_its_heading() {
         (wrap_180(field(line, 3) - truth.heading_deg - 14.0)).abs() < 0.01,
         "{line} {truth:?}"
     );
-    // The deviation is the same at the same heading, and over all headings averages to nothing.
+    // The deviation depends on the heading alone, and at opposite headings it is opposite.
     let plan = "[[plan]]\nkind = \"trackcircle\"\ncentre = { east_m = 0, north_m = 0 }\nradius_m = 40\norbits = 4\n\
         depth_m = 10\nspeed_mps = 1\n";
     let (before, _) = text.split_once("[[plan]]").expect("a plan");
@@ -194,7 +194,7 @@ fn pressure_is_absolute() {
 
 /// SPI 6.7.
 #[test]
-fn the_thrusters_turns_tell_the_speed_through_the_water() {
+fn the_thrusters_rpm_gives_the_speed_through_the_water() {
     let (payload, lines) = heard(CALM, 1, "RVL", 0.0, 60.0);
     let line = lines.last().expect("a reading");
     let speed = payload.mvc.truth().speed_mps;
@@ -263,8 +263,6 @@ fn a_hovering_vehicle_has_no_tailcone() {
     );
 }
 
-/// SPI 6.13: forward, to starboard and down; ranges along four beams of 30 degrees.
-/// SPI 6.14: on vehicles that do not hover the first three are the axes' and the fourth the error velocity.
 /// SPI 6.15.
 #[test]
 fn the_inertial_sensor_feels_gravity_turns_and_thrust() {

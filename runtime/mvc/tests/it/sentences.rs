@@ -2,7 +2,7 @@ use backseat_units::EastNorth;
 
 use crate::payload::Payload;
 
-/// A field of a sentence as a number, the name counted as 0.
+/// A field of a sentence as a number. Field 0 is the name.
 pub(crate) fn field(line: &str, index: usize) -> f64 {
     line.split(',')
         .nth(index)
@@ -10,13 +10,13 @@ pub(crate) fn field(line: &str, index: usize) -> f64 {
         .unwrap_or_else(|| panic!("{line}: field {index} is no number"))
 }
 
-/// When a sentence was made, seconds of its day.
+/// The time of a sentence, in seconds of its day.
 pub(crate) fn seconds(line: &str) -> f64 {
     let stamp = field(line, 1);
     (stamp / 10_000.0).floor() * 3600.0 + (stamp / 100.0).floor() % 100.0 * 60.0 + stamp % 100.0
 }
 
-/// Where a BFNVG says that the vehicle is, in the world's frame.
+/// The vehicle's place in a BFNVG, in the world's frame.
 pub(crate) fn place(payload: &Payload, line: &str) -> EastNorth {
     let degrees = |index: usize| {
         let value = field(line, index);
@@ -26,12 +26,12 @@ pub(crate) fn place(payload: &Payload, line: &str) -> EastNorth {
     payload.mvc.frame().to_local(position)
 }
 
-/// How far a BFNVG of now is off the truth.
+/// The error of a BFNVG that was sent just now.
 pub(crate) fn off(payload: &Payload, line: &str) -> EastNorth {
     place(payload, line) - payload.mvc.truth().local
 }
 
-/// The file with one key set in a section that it has or is given.
+/// The file with one key set, in a section that is added if the file does not have it.
 pub(crate) fn with(text: &str, section: &str, key: &str) -> String {
     let name = key.split(' ').next().expect("a key");
     let header = format!("[{section}]\n");
@@ -47,7 +47,7 @@ pub(crate) fn with(text: &str, section: &str, key: &str) -> String {
     format!("{before}{header}{key}\n{kept}{}", &after[end..])
 }
 
-/// What a client with one message on hears from one time to another.
+/// What a client that has one message on receives between two times.
 pub(crate) fn heard(text: &str, seed: u64, message: &str, from_s: f64, to_s: f64) -> (Payload, Vec<String>) {
     let mut payload = Payload::connected(text, seed, &[message]);
     payload.until(from_s);

@@ -80,7 +80,7 @@ fn run(said: &[(u32, usize)], seed: u64) -> Vec<String> {
         payload.until(at_s);
         payload.say(&command(*index, number));
     }
-    // All that is open comes to its end.
+    // By then everything that was open has ended.
     payload.until(at_s + 120.0);
     payload.heard()
 }
@@ -89,7 +89,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
     #[test]
-    fn whatever_is_asked_everything_comes_to_one_end(
+    fn whatever_is_requested_everything_ends_once(
         said in proptest::collection::vec((0u32..40, 0usize..16), 1..80),
         seed in 0u64..1000,
     ) {

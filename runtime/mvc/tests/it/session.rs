@@ -46,7 +46,7 @@ fn a_late_subscriber_misses_control_unless_it_is_replayed() {
 }
 
 #[test]
-fn subscriptions_are_each_clients_own_and_end_with_its_connection() {
+fn subscriptions_belong_to_one_client_and_end_with_its_connection() {
     let other = ClientId(2);
     let mut payload = Payload::connected(CALM, 1, &["NVG", "CTD"]);
     payload.connect(other);
@@ -78,11 +78,11 @@ fn subscriptions_are_each_clients_own_and_end_with_its_connection() {
 }
 
 #[test]
-fn a_client_that_never_reads_is_cut_off_and_the_others_fly_on() {
+fn a_client_that_never_reads_is_cut_off_and_the_others_go_on() {
     let mut payload = Payload::connected(CALM, 1, &["NVG"]);
     let deaf = ClientId(2);
     payload.connect(deaf);
-    // No draining between: all that the deaf client asks for piles up.
+    // Nothing is drained in between, so everything that the deaf client asks for piles up.
     let flood = "$BPLOG,ACK,ON\r\n$BPMSG,070000.000,x\r\n".repeat(60_000);
     payload.mvc.receive(payload.now, deaf, flood.as_bytes());
     let mut out = Vec::new();

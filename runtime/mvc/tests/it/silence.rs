@@ -34,7 +34,7 @@ fn silence_is_acknowledged_twice() {
     assert_eq!(payload.heard(), Vec::<String>::new());
     payload.until(7.0);
     assert_eq!(payload.heard(), ["$BFACK,080006.000,SIL,070000.000,0,2,0,"]);
-    // And back again.
+    // And back to normal mode.
     payload.say("$BPSIL,070001.000,0");
     payload.until(9.0);
     assert_eq!(
@@ -57,7 +57,7 @@ fn silence_is_acknowledged_twice() {
 // "The command will only be accepted if the vehicle is either not currently in a mission, or if a mission is executing
 // but the tailcone is not spinning."
 #[test]
-fn a_driven_tailcone_refuses_silence() {
+fn silence_is_refused_while_the_tailcone_is_driven() {
     let mut payload = Payload::connected(&settling(CALM, ""), 1, &["ACK"]);
     payload.until(5.0);
     payload.say("$BPSIL,070000.000,1");
@@ -72,9 +72,10 @@ fn a_driven_tailcone_refuses_silence() {
 // If it has not, the deferred acknowledgement will be held off for another two seconds. If the tailcone is still
 // spinning after that, the deferred acknowledgement will be an error."
 #[test]
-fn a_tailcone_that_spins_down_holds_the_acknowledgement_off() {
+fn a_tailcone_that_spins_down_delays_the_acknowledgement() {
     for (spins_s, at, outcome) in [
-        // Asked at 5.2 s, looked at 6.2 s and 8.2 s; the thruster was last on at 5.0 s.
+        // Silence is requested at 5.2 s, and the tailcone is checked at 6.2 s and 8.2 s; the thruster was last on at
+        // 5.0 s.
         (1.1, "080006.200", "2,0,"),
         (1.3, "080008.200", "2,0,"),
         (3.1, "080008.200", "2,0,"),
@@ -136,11 +137,11 @@ fn silence_times_out_after_five_minutes_and_is_not_extended() {
         payload.heard(),
         [
             "$BFACK,080500.000,SIL,070002.000,0,3,0,",
-            "$BFACK,080501.000,SIL,070002.000,0,2,0,silent already: the time is not extended"
+            "$BFACK,080501.000,SIL,070002.000,0,2,0,already silent: the time is not extended"
         ]
     );
     payload.log();
-    // Silent from 6.2 s on.
+    // The vehicle is silent from 6.2 s on.
     payload.until(306.1);
     assert_eq!(payload.log(), Vec::<String>::new());
     payload.until(306.2);
@@ -172,7 +173,7 @@ fn a_request_for_normal_mode_overtakes_one_for_silence() {
         payload.heard(),
         [
             "$BFACK,080005.000,SIL,070000.000,0,3,0,",
-            "$BFACK,080005.000,SIL,070000.000,0,1,0,normal mode was asked for meanwhile",
+            "$BFACK,080005.000,SIL,070000.000,0,1,0,normal mode was requested meanwhile",
             "$BFACK,080005.000,SIL,070001.000,0,3,0,",
             "$BFACK,080006.000,SIL,070001.000,0,2,0,the vehicle was not silent"
         ]
@@ -192,7 +193,7 @@ fn a_device_may_fail_to_go_quiet() {
 }
 
 #[test]
-fn nobody_else_hears_the_outcome() {
+fn a_new_connection_does_not_receive_the_outcome_for_the_old_one() {
     let mut payload = Payload::connected(&settling(&waiting(), ""), 1, &["ACK"]);
     payload.say("$BPSIL,070000.000,1");
     payload.mvc.disconnect(payload.now, ME);
@@ -225,14 +226,14 @@ fn silence_ends_implicit_adjustments_at_once_and_forbids_others() {
         let answer = format!("$BFACK,080005.000,{command},070001.000,0,1,0,the vehicle is silent");
         assert_eq!(payload.heard(), [answer]);
     }
-    // Nor does the next implicit one begin.
+    // The next implicit adjustment does not begin either.
     payload.until(25.0);
     let heard = of(&payload.heard(), "BFBOY");
     assert!(heard.iter().all(|line| line.contains(",0,0,idle,")), "{heard:?}");
 }
 
 #[test]
-fn silence_and_an_adjustment_that_was_asked_for_exclude_each_other() {
+fn silence_and_a_requested_adjustment_exclude_each_other() {
     let mut payload = Payload::connected(&settling(&waiting(), ""), 1, &["ACK", "TRM"]);
     payload.say("$BPTRM,070000.000");
     payload.until(5.0);

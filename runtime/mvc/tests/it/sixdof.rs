@@ -1,4 +1,4 @@
-//! `vehicle.model = "6-dof"`: the same missions and requests, flown by a body.
+//! `vehicle.model = "6-dof"`: the same missions and requests, flown by a body with six degrees of freedom.
 
 use backseat_mvc::{Activity, Truth, WorldFile};
 use backseat_units::EastNorth;
@@ -18,7 +18,7 @@ fn planned(plan: &str) -> String {
     body(&format!("{before}{plan}"))
 }
 
-/// Modifies from the 30th second to another, and gives the vehicle then.
+/// Sends a modify each second, from the 30th second up to another, and returns the payload then.
 fn modified(text: &str, fields: &str, until: u32) -> Payload {
     let mut payload = Payload::connected(text, 1, &["NVG", "NVR", "ERC", "RVL"]);
     for second in 30..until {
@@ -38,7 +38,7 @@ fn newest(payload: &mut Payload, name: &str) -> String {
 
 /// SPI 6.1, 6.2, 6.9, 6.10.
 #[test]
-fn the_plan_is_flown_as_planned_and_told_as_ever() {
+fn the_plan_is_flown_as_planned_and_reported_as_always() {
     let mut payload = Payload::connected(&body(CALM), 1, &["MBS", "MBE", "MIS"]);
     // On the line, once the dive has settled.
     let (mut off_m, mut off_depth_m, mut off_mps) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -58,7 +58,7 @@ fn the_plan_is_flown_as_planned_and_told_as_ever() {
     let heard = payload.heard();
     assert_eq!(course(&heard), ["+1", "-1", "+2", "-2"]);
     assert!(heard.iter().any(|line| line.contains(",Completed,")), "{heard:?}");
-    // It floats up.
+    // The vehicle floats up.
     let over_s = payload.now.as_secs_f64();
     payload.until(over_s + 150.0);
     assert!(payload.mvc.truth().depth_m < 0.3);
@@ -66,7 +66,7 @@ fn the_plan_is_flown_as_planned_and_told_as_ever() {
 
 /// SPI 6.1, 6.2: attitude and rates are the body's; BFNVR's north and east are over ground.
 #[test]
-fn navigation_tells_the_bodys_motion() {
+fn navigation_reports_the_bodys_motion() {
     let mut payload = Payload::connected(&body(CALM), 1, &["NVG", "NVR"]);
     let (mut steepest_deg, mut rolled_deg) = (0.0_f64, 0.0_f64);
     let mut before_deg = None;
@@ -82,7 +82,7 @@ fn navigation_tells_the_bodys_motion() {
         let (roll_deg, pitch_deg) = (field(navigation, 10), field(navigation, 11));
         steepest_deg = steepest_deg.min(pitch_deg);
         rolled_deg = rolled_deg.max(roll_deg.abs());
-        // The rate of pitch is that of the pitch which is told.
+        // The rate of pitch agrees with the pitch that BFNVG reports.
         if let Some((pitch_before_deg, rate_before_dps)) = before_deg.replace((pitch_deg, field(rates, 5))) {
             let mean_dps = 0.5 * (rate_before_dps + field(rates, 5));
             assert!(
@@ -92,7 +92,7 @@ fn navigation_tells_the_bodys_motion() {
         }
         assert!((field(rates, 3) - truth.north_mps).abs() < 0.002 || (field(rates, 2) - truth.north_mps).abs() < 0.002);
     }
-    // It dives nose down, and its propeller heels it.
+    // The vehicle dives nose down, and its propeller makes it heel.
     assert!(steepest_deg < -8.0 && steepest_deg > -30.0, "{steepest_deg}");
     assert!(rolled_deg > 0.5 && rolled_deg < 15.0, "{rolled_deg}");
 }
@@ -114,7 +114,7 @@ fn a_circle_is_flown_round() {
             break;
         }
         let out_m = centre.distance_m(truth.local);
-        // Once the way on to the rim is behind it.
+        // By then the vehicle has reached the rim.
         if second > 125 {
             (nearest_m, furthest_m) = (nearest_m.min(out_m), furthest_m.max(out_m));
         }
@@ -124,13 +124,13 @@ fn a_circle_is_flown_round() {
         }
     }
     assert!(nearest_m > 39.0 && furthest_m < 41.0, "{nearest_m} {furthest_m}");
-    // The first part of it was before the 100th second.
+    // The first part of the circle was before the 100th second.
     assert!(swept_deg > 300.0 && swept_deg < 540.0, "{swept_deg}");
     done(&mut payload);
     assert_eq!(course(&payload.heard()), ["+1", "-1"]);
 }
 
-/// SPI 7.12: heading, depth and speed; then the way back to the line by itself, 5 s after the last one.
+/// SPI 7.12: heading, depth and speed. 5 s after the last modify the vehicle goes back to its line by itself.
 #[test]
 fn heading_depth_and_speed_are_flown_until_they_lapse() {
     let mut payload = modified(&body(CALM), "90,15,0,1.5,1,0", 90);
@@ -141,7 +141,7 @@ fn heading_depth_and_speed_are_flown_until_they_lapse() {
         "{truth:?}"
     );
     assert!(truth.local.east_m > 50.0);
-    // The last one was at 89 s.
+    // The last modify was at 89 s.
     payload.until(93.9);
     assert!(matches!(payload.mvc.truth().activity, Activity::Modified { .. }));
     payload.until(94.0);
@@ -154,13 +154,13 @@ fn heading_depth_and_speed_are_flown_until_they_lapse() {
     );
 }
 
-/// SPI 7.12: "0 signifies the previous field is a thruster RPM"; 6.7 tells the thruster's own turns.
+/// SPI 7.12: "0 signifies the previous field is a thruster RPM"; 6.7 reports the thruster's own RPM.
 #[test]
-fn turns_of_the_thruster_are_held_as_turns() {
+fn a_requested_thruster_rpm_is_held() {
     let mut payload = modified(&body(CALM), "0,10,0,1000,0,0", 120);
     let line = newest(&mut payload, "RVL");
     assert!((field(&line, 2) - 1000.0).abs() < 1.0, "{line}");
-    // The published 2.5 m/s at 1525 are 1.64 at 1000, by the same ratio of advance.
+    // The published 2.5 m/s at 1525 rpm make 1.64 m/s at 1000 rpm, at the same advance ratio.
     let truth = payload.mvc.truth();
     assert!((truth.speed_mps - 1.64).abs() < 0.08, "{truth:?}");
     assert!(
@@ -171,10 +171,10 @@ fn turns_of_the_thruster_are_held_as_turns() {
     );
 }
 
-/// SPI 7.12: a rudder and an elevator adjustment, here taken as the angles themselves; 6.12 tells where they are and
-/// where they have been told to go.
+/// SPI 7.12: a rudder and an elevator adjustment, here taken as the angles themselves; 6.12 reports the angles and
+/// their targets.
 #[test]
-fn fins_are_held_where_they_are_asked_to_be_and_told() {
+fn fins_are_held_at_the_requested_angles_and_reported() {
     let mut payload = modified(&body(CALM), "6,10,0,1.6,1,1", 90);
     let line = newest(&mut payload, "ERC");
     assert!(
@@ -197,7 +197,7 @@ fn fins_are_held_where_they_are_asked_to_be_and_told() {
     assert!(payload.mvc.truth().depth_m < depth_m - 0.1);
 }
 
-/// The fins have their own stop, and a target that they follow.
+/// A fin has a target that it follows, and a stop.
 #[test]
 fn a_fin_follows_its_target_and_does_not_pass_its_stop() {
     let text = with(&body(CALM), "interpretation", "modify_beyond = \"refuse\"");
@@ -228,7 +228,7 @@ fn a_fin_follows_its_target_and_does_not_pass_its_stop() {
 
 /// SPI 7.16: the abort's wrap-up is a powered ascent; then the vehicle drifts with the water.
 #[test]
-fn an_abort_brings_it_up_and_it_drifts_with_the_current() {
+fn an_abort_brings_the_vehicle_up_and_it_drifts_with_the_current() {
     let text = with(&body(CALM), "mission", "wrap_up = \"surface\"");
     let text = format!("{text}\n[current]\nspeed_mps = 0.3\ntowards_deg = 90\n");
     let mut payload = Payload::connected(&text, 1, &["MIS", "NVR"]);
@@ -257,9 +257,9 @@ fn an_abort_brings_it_up_and_it_drifts_with_the_current() {
     assert!(field(&newest(&mut payload, "RVL"), 2).abs() < 0.01);
 }
 
-/// A line is made good in a current abeam, by a heading into it; a heading is not (SPI 5.3).
+/// In a current abeam the vehicle stays on a line by heading into the current. On a fixed heading it drifts (SPI 5.3).
 #[test]
-fn a_line_is_crabbed_and_a_heading_drifts() {
+fn the_vehicle_crabs_along_a_line_and_drifts_on_a_heading() {
     let text = format!("{}\n[current]\nspeed_mps = 0.4\ntowards_deg = 90\n", body(CALM));
     let mut payload = Payload::connected(&text, 1, &[]);
     payload.until(120.0);
@@ -277,8 +277,8 @@ fn a_line_is_crabbed_and_a_heading_drifts() {
 
 /// SPI 7.24: buoyancy floats the vehicle up, or lets it sink, when nothing drives it.
 #[test]
-fn buoyancy_lifts_and_sinks_it_adrift() {
-    // Thruster off, by a modify to no turns.
+fn buoyancy_lifts_or_sinks_a_vehicle_adrift() {
+    // A modify to 0 rpm stops the thruster.
     let drift = |newtons: f64| {
         let text = format!("{}\n[adjustment]\nbuoyancy_n = {newtons}\n", body(CALM));
         let mut payload = modified(&text, ",,,0,0,", 60);
@@ -289,15 +289,15 @@ fn buoyancy_lifts_and_sinks_it_adrift() {
         }
         payload.mvc.truth().depth_m - before_m
     };
-    // The hull's 0.1 m/s at the nominal 20 N, for 29 s.
+    // The vehicle's 0.1 m/s at the nominal 20 N, for 29 s.
     let (rise_m, sink_m) = (drift(20.0), drift(-20.0));
     assert!((rise_m + 2.9).abs() < 0.6, "{rise_m}");
     assert!((sink_m - 2.9).abs() < 0.6, "{sink_m}");
 }
 
-/// Whatever it is asked, it stays off the bottom, within its depth and its speed (SPI 7.12).
+/// Whatever the payload asks, the vehicle stays off the bottom, within its depth and its speed (SPI 7.12).
 #[test]
-fn it_keeps_its_own_limits() {
+fn the_body_keeps_its_own_limits() {
     let text = body(CALM).replace("slope = 0", "slope = 0.1\ndownslope_deg = 270");
     for fields in [
         "90,5000,0,20,1,0",
@@ -316,18 +316,18 @@ fn it_keeps_its_own_limits() {
 }
 
 #[test]
-fn what_the_body_cannot_fly_is_refused_at_the_file() {
+fn a_file_with_what_the_body_cannot_fly_is_refused() {
     let fault = |text: &str| WorldFile::from_toml(text).unwrap_err().to_string();
     assert_eq!(
         fault(&format!("{}class = \"hovering\"\n", body(CALM))),
-        "vehicle.model is \"6-dof\", expected \"kinematic\" where vehicle.class is \"hovering\": the body of 6-dof is a \
+        "vehicle.model is \"6-dof\", expected \"kinematic\" with the class \"hovering\": the body of 6-dof is a \
          torpedo"
     );
     let slow = body(CALM).replacen("speed_mps = 2", "speed_mps = 0.8", 1);
     assert_eq!(fault(&slow), "plan element 1: speed_mps is 0.8, expected 1 to 2.4");
     let wrong = body(CALM).replace("6-dof", "5-dof");
     assert!(fault(&wrong).contains("unknown variant `5-dof`, expected `kinematic` or `6-dof`"));
-    // An insert that is too slow for it (SPI 7.5) is refused as one that is too slow for any hull.
+    // An insert that is too slow for the body (SPI 7.5) is refused, like one that is too slow for any vehicle.
     let mut payload = Payload::connected(&body(CALM), 1, &["ACK"]);
     payload.until(30.0);
     payload.say("$BPRTK,070000.000,7,4218.10,N,07054.00,W,4218.20,N,07054.00,W,0,10,0.8,0,0");
@@ -335,9 +335,9 @@ fn what_the_body_cannot_fly_is_refused_at_the_file() {
     assert!(heard[0].contains(",RTK,070000.000,7,1,"), "{heard:?}");
 }
 
-/// Every bit of the same run, and the body's steps are 20 ms whatever the vehicle's are.
+/// The same run gives the same bits, and the body's steps are 20 ms whatever the vehicle's are.
 #[test]
-fn the_same_file_gives_the_same_bytes_and_ticks_hardly_matter() {
+fn the_same_file_gives_the_same_bytes_and_the_tick_rate_hardly_matters() {
     let run = |text: &str| {
         let mut payload = Payload::connected(text, 3, &["NVG", "NVR", "ERC", "IMU"]);
         payload.until(30.0);
@@ -352,9 +352,9 @@ fn the_same_file_gives_the_same_bytes_and_ticks_hardly_matter() {
     assert!(apart(truth, finer) < 0.3, "{truth:?} {finer:?}");
 }
 
-/// Long adrift, nothing becomes what is no number.
+/// After a long time adrift no value is NaN.
 #[test]
-fn adrift_for_hours_it_stays_where_the_water_takes_it() {
+fn a_vehicle_adrift_for_hours_moves_only_with_the_water() {
     let mut payload = Payload::new(&body(CALM), 1);
     payload.connect(ME);
     payload.until(60.0);

@@ -44,7 +44,7 @@ fn the_vehicle_flies_over_the_grids_bottom() {
             waypoint(-150, 300, "depth_m = 10")
         ),
     ));
-    // A slope of 1 in 10 northward, under the grid's own values.
+    // The grid's values have a slope of 1 in 10 to the north.
     let rows: String = (0..6)
         .map(|row| format!("{0} {0} {0} {0} {0} {0}\n", 70 - 10 * row))
         .collect();
@@ -72,9 +72,9 @@ fn a_plan_without_enough_water_is_refused_with_its_element_and_the_place() {
     assert_eq!(
         fault(&format!("{there}{}", waypoint(200, 350, "depth_m = 1"))),
         "plan element 2: the water is 2.00 m deep at 150 m east, 350 m north (latitude 42.30315, longitude -70.89818), \
-         expected at least 2.50 m: vehicle.altitude_min_m and 0.5 m"
+         expected at least 2.50 m: vehicle.altitude_min_m plus 0.5 m"
     );
-    // Across the shoulder at 12 m: the depth is in the ground.
+    // A line across the shoulder at 12 m leads into the ground.
     let line = "[[plan]]\nkind = \"trackline\"\nstart = { east_m = -100, north_m = 250 }\nend = { east_m = 280, north_m = 250 }\n\
                 depth_m = 12\nspeed_mps = 2\n";
     let message = fault(line);
@@ -83,7 +83,8 @@ fn a_plan_without_enough_water_is_refused_with_its_element_and_the_place() {
         message.ends_with("expected at least 12.00 m: the element's depth"),
         "{message}"
     );
-    // At 5 m it goes; so does an altitude, which is held over the bank as far as there is room.
+    // At 5 m the line is accepted. So is an altitude, because the vehicle holds it over the bank as far as there is
+    // room.
     assert!(over(&charted(&plan(CALM, &line.replace("depth_m = 12", "depth_m = 5"))), BED).is_ok());
     assert!(
         over(
@@ -92,7 +93,7 @@ fn a_plan_without_enough_water_is_refused_with_its_element_and_the_place() {
         )
         .is_ok()
     );
-    // A lead-in that reaches the bank, a circle whose far side does, the way there, and where the vehicle starts.
+    // What reaches the bank here is a lead-in, the far side of a circle, the way to an element, or the vehicle's start.
     let led = "[[plan]]\nkind = \"trackline\"\nlead_in_m = 200\nstart = { east_m = -50, north_m = 350 }\n\
                end = { east_m = -250, north_m = 350 }\ndepth_m = 1\nspeed_mps = 2\n";
     assert!(
@@ -114,12 +115,12 @@ fn a_plan_without_enough_water_is_refused_with_its_element_and_the_place() {
             .to_string()
             .starts_with("plan element 1: the water is 2.00 m deep at 200 m east")
     );
-    // Where a setpoint ends nobody knows: what follows it is looked at from its own place on.
+    // Nobody knows where a setpoint ends, so the element after it is checked only from its own place on.
     let setpoint = "[[plan]]\nkind = \"setpoint\"\nheading_deg = 90\nduration_s = 900\ndepth_m = 1\nspeed_mps = 2\n";
     assert!(over(&charted(&plan(CALM, &format!("{there}{setpoint}{there}"))), BED).is_ok());
 }
 
-/// Beyond its edge a grid says nothing of the seabed.
+/// Beyond its edge a grid does not define the seabed.
 #[test]
 fn a_plan_or_a_start_off_the_grid_is_refused() {
     let fault = |text: &str| over(&charted(text), BED).unwrap_err().to_string();
@@ -130,9 +131,9 @@ fn a_plan_or_a_start_off_the_grid_is_refused() {
     assert!(over(&charted(&away.replace("east_m = 301", "east_m = 299")), BED).is_ok());
 }
 
-/// A drawn seabed is looked at as this seed has it.
+/// A drawn seabed is checked as this seed has it.
 #[test]
-fn a_drawn_seabed_refuses_what_lies_below_it_and_where_the_vehicle_cannot_be() {
+fn a_plan_without_enough_water_over_a_drawn_seabed_is_refused() {
     let shallow = |depth: &str| {
         let low = CALM.replace("depth_m = 10", "depth_m = 2");
         let file = WorldFile::from_toml(&low.replace("depth_m = 60", depth)).expect("a file");
@@ -145,7 +146,7 @@ fn a_drawn_seabed_refuses_what_lies_below_it_and_where_the_vehicle_cannot_be() {
         message.starts_with("plan element 1: the water is 2.40 m deep at 0 m east, 0 m north"),
         "{message}"
     );
-    // Some seeds' banks are in the way, and say so.
+    // With some seeds a bank is in the way, and the plan is refused.
     let banks = CALM.replace("depth_m = 10", "depth_m = 2").replace(
         "depth_m = 60",
         "depth_m = 10\ndepth_min_m = 1\nbanks = 3\nbank_height_m = 9\nbank_east_m = [-300, 300]\nbank_north_m = [0, 400]\n\
@@ -157,11 +158,11 @@ fn a_drawn_seabed_refuses_what_lies_below_it_and_where_the_vehicle_cannot_be() {
 }
 
 #[test]
-fn a_grid_that_is_named_must_be_given_and_fit() {
+fn a_grid_that_is_named_must_be_given_and_valid() {
     let file = WorldFile::from_toml(&charted(CALM)).expect("a file is right without its grid");
     assert_eq!(
         Mvc::new(&file, 1).unwrap_err().to_string(),
-        "seabed.grid is `bed.asc`, expected the grid of that file: only its name was given"
+        "seabed.grid is `bed.asc`, but the caller passed no grid: expected the content of that file"
     );
     let message = over(CALM, BED).unwrap_err().to_string();
     assert!(message.starts_with("seabed.grid: expected"), "{message}");
@@ -170,10 +171,10 @@ fn a_grid_that_is_named_must_be_given_and_fit() {
     assert!(message.starts_with("grid, row 1, column 1: no data"), "{message}");
     let both = charted(CALM).replace("grid =", "banks = 2\ngrid =");
     let message = WorldFile::from_toml(&both).unwrap_err().to_string();
-    assert_eq!(message, "seabed.banks: expected it or `seabed.grid`, not both");
+    assert_eq!(message, "seabed.banks: expected this key or `seabed.grid`, not both");
 }
 
-/// SPI 6.1: the altitude is over the seabed, and the depth under the surface, wherever the tide has that.
+/// SPI 6.1: the altitude counts from the seabed, and the depth from the surface, wherever the tide has that.
 #[test]
 fn the_tide_raises_the_surface_over_the_bottom() {
     let text = format!("{CALM}\n[tide]\namplitude_m = 3\nperiod_h = 0.1\n");
@@ -191,13 +192,13 @@ fn the_tide_raises_the_surface_over_the_bottom() {
     let world = payload.mvc.world();
     assert_eq!(world.water_depth_m(truth.local), 60.0);
     assert!((truth.water_depth_m - world.water_depth_at_m(truth.local, truth.time)).abs() < 1e-9);
-    // At low water it lies as deep as it is asked to, still.
+    // At low water the vehicle is still at the depth that the plan asks for.
     assert!((truth.depth_m - 10.0).abs() < 0.2, "{truth:?}");
 }
 
-/// SPI 6.4, 6.6, 6.16: all three by the same sea water.
+/// SPI 6.4, 6.6, 6.16: all three sensors measure the same sea water.
 #[test]
-fn pressure_and_speed_of_sound_are_the_worlds() {
+fn pressure_and_speed_of_sound_are_those_of_the_world() {
     let text = with(CALM, "sensors.sound", "fitted = true");
     let mut payload = Payload::connected(&text, 1, &["CTD", "RDP", "SVS"]);
     payload.until(60.0);

@@ -27,7 +27,7 @@ fn a_message_is_acknowledged_when_it_is_queued_and_delivered_later() {
     payload.until(23.9);
     assert_eq!(payload.log(), Vec::<String>::new());
     payload.until(33.0);
-    // Over whichever link there is: the field is advice, and unimplemented.
+    // The vehicle uses whichever link there is: the field is advice, and unimplemented.
     assert_eq!(
         payload.log(),
         [
@@ -41,7 +41,7 @@ fn a_message_is_acknowledged_when_it_is_queued_and_delivered_later() {
 // "it is possible that an immediate, initial 'pending' acknowledgement will be returned prior to the actual
 // success/failure acknowledgement."
 #[test]
-fn it_may_be_pending_first() {
+fn a_message_may_be_pending_first() {
     let text = CALM.replace(
         "acknowledge = \"immediate\"",
         "acknowledge = \"pending\"\npending_s = 1",
@@ -60,7 +60,7 @@ fn it_may_be_pending_first() {
 }
 
 #[test]
-fn what_has_no_meaning_is_invalid() {
+fn meaningless_fields_are_invalid() {
     let mut payload = Payload::connected(&with(""), 1, &["ACK"]);
     for (said, answer) in [
         (
@@ -68,7 +68,7 @@ fn what_has_no_meaning_is_invalid() {
             "TOP,070000.000,0,0,0,slowest 7: expected 0 to 3",
         ),
         ("$BPTOP,070000.000,3,,0", "TOP,070000.000,0,0,0,text: empty"),
-        // "Reserved for future specification. Must be empty or 0": a comma in the text, perhaps.
+        // "Reserved for future specification. Must be empty or 0": here perhaps because of a comma in the text.
         (
             "$BPTOP,070000.000,3,hello,world",
             "TOP,000000.000,0,0,0,reserved field world: expected empty or 0",
@@ -84,7 +84,7 @@ fn what_has_no_meaning_is_invalid() {
 }
 
 #[test]
-fn a_full_queue_fails_and_silence_holds_it() {
+fn a_full_queue_refuses_a_message_and_silence_holds_the_queue() {
     let text = with("queue_max = 2\ndelivery_s = 1").replace("[start]", "[start]\ndepth_m = 10");
     let text = text.replace("starts_after_s = 1", "starts_after_s = 5000");
     let mut payload = Payload::connected(&text, 1, &["ACK"]);
@@ -126,7 +126,7 @@ fn on_the_surface_the_radio_is_used() {
 
 // 5.5: "Delivery of a message sent from the topside." A command message: it needs no BPLOG.
 #[test]
-fn the_topside_speaks_to_the_payload() {
+fn the_topside_sends_messages_to_the_payload() {
     let text = CALM.to_owned()
         + r#"
 [[topside.messages]]
@@ -147,17 +147,17 @@ role = "sonar"
     let log = payload.log();
     assert!(
         log.iter()
-            .any(|line| line == "5.000 s: the topside says by RF modem: come home")
+            .any(|line| line == "5.000 s: message from the topside by RF modem: come home")
     );
     assert!(
         log.iter()
-            .any(|line| line == "5.000 s: the topside tells sonar by acoustic modem: now")
+            .any(|line| line == "5.000 s: message from the topside to sonar by acoustic modem: now")
     );
 }
 
-// 7.14: what came over the payload's own modem.
+// 7.14: a message that came over the payload's own modem.
 #[test]
-fn a_relayed_message_is_logged_where_the_vehicle_takes_it() {
+fn a_relayed_message_is_logged_if_the_vehicle_accepts_it() {
     let mut payload = Payload::connected(&with(""), 1, &["ACK"]);
     payload.log();
     payload.say("$BPTMR,070000.000,3,abort");

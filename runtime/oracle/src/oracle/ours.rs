@@ -1,3 +1,4 @@
+use crate::margin::Margin;
 use crate::moment::Moment;
 
 use super::{Oracle, RACE};
@@ -5,7 +6,7 @@ use crate::rule::Rule;
 use crate::wire::{Ours, Request, read_ours};
 
 impl Oracle {
-    /// A line of ours: it must be a whole sentence as the specification wants it (SPI 4.2), and nothing else.
+    /// Judges a line of ours: it must be exactly one whole sentence as the specification defines it (SPI 4.2).
     pub(super) fn our_line(&mut self, at: Moment, line: &[u8]) {
         self.counts.sentences_to_vehicle += 1;
         self.findings.looks_at(line);
@@ -30,7 +31,10 @@ impl Oracle {
             self.findings.judge(Rule::StampRepeated);
             if self.stamps.repeats(name, created) {
                 self.findings.add(at, Rule::StampRepeated, || {
-                    format!("{} has the time {created} twice", String::from_utf8_lossy(&name))
+                    format!(
+                        "{} was sent twice with the time {created}",
+                        String::from_utf8_lossy(&name)
+                    )
                 });
             }
         }
@@ -48,7 +52,7 @@ impl Oracle {
         }
         if !denied && is_dynamic(&name) && due.is_some_and(|due| due.is_missed(at)) {
             self.findings.add(at, Rule::OperatorHold, || {
-                format!("{} under the operator's hold", String::from_utf8_lossy(&name))
+                format!("{} was sent under the operator's hold", String::from_utf8_lossy(&name))
             });
             denied = true;
         }
@@ -58,29 +62,37 @@ impl Oracle {
         self.we_say(at, &request, denied);
     }
 
-    /// Whether the vehicle was heard to hear us, and its plan was told, before something that steers.
+    /// Judges whether a request that steers leaves without proof that the vehicle hears us, or without the plan of the
+    /// dive.
     fn judge_answers(&mut self, at: Moment, request: &Request) {
         let name = String::from_utf8_lossy(&request.name);
         self.findings.judge(Rule::Unheard);
         let sure = self.sure();
         let stays = request.asks.is_irrevocable();
+        if let Some((left, _)) = self.heartbeat.newest() {
+            let (age, allowed) = (at.since(left), self.heartbeat.lasts());
+            self.findings
+                .near(Margin::RoundTrip, age.as_secs_f64(), allowed.as_secs_f64());
+        }
         if !self.heartbeat.is_heard(at) {
             let newest = self.heartbeat.newest();
             self.findings.add(at, Rule::Unheard, || match newest {
-                Some((left, _)) => format!("{name} though the last command that was answered in time left at {left}"),
-                None => format!("{name} though nothing was answered in time on this connection"),
+                Some((left, _)) => {
+                    format!("{name} was sent although the last command that was answered in time left at {left}")
+                }
+                None => format!("{name} was sent although no command was answered in time on this connection"),
             });
         } else if stays && !self.heartbeat.has_just_answered(at, sure) {
             let newest = self.heartbeat.newest();
             self.findings.add(at, Rule::Unheard, || match newest {
                 Some((left, came)) => format!(
-                    "{name}, which nothing takes back, though the vehicle answered last at {came} what left at {left}"
+                    "{name} cannot be taken back, but the last answer came at {came}, to a command that left at {left}"
                 ),
-                None => format!("{name}, which nothing takes back, though nothing was answered"),
+                None => format!("{name} cannot be taken back, but no command was answered"),
             });
         } else if let Some(left) = self.heartbeat.waits().filter(|_| stays) {
             self.findings.add(at, Rule::Unheard, || {
-                format!("{name}, which nothing takes back, though the BPSTS that left at {left} waits for its answer")
+                format!("{name} cannot be taken back, but the BPSTS that left at {left} still waits for its answer")
             });
         }
         self.judge_flaws(at, &name);
@@ -91,12 +103,16 @@ impl Oracle {
             && self.process.heard(named) + sure < at
         {
             self.findings.add(at, Rule::AnotherDive, || {
-                format!("{name} though another dive file was named at {named}, whose plan was not told since")
+                format!(
+                    "{name} was sent although the vehicle named another dive file at {named} and has not reported \
+                     its plan"
+                )
             });
         }
     }
 
-    /// Whether navigation, and the clock that it goes by, were well for long enough before something that steers.
+    /// Judges whether navigation, and the vehicle's clock, were free of flaws for long enough before a request that
+    /// steers.
     fn judge_flaws(&mut self, at: Moment, name: &str) {
         if self.integrity.has_window() {
             self.findings.judge(Rule::NavigationUntrue);
@@ -108,19 +124,20 @@ impl Oracle {
             self.findings.judge(Rule::ClockSet);
         }
         let heard = self.process.heard_until(at, self.sure());
-        // A step that is a jump by itself is judged as that.
+        // A step that is a jump by itself is reported by the rule for jumps.
         let jumped = self.unsteady(at).is_some();
         for flaw in self.flaws.standing(at, heard) {
             if jumped && flaw.what.rule() == Rule::NavigationUntrue {
                 continue;
             }
             self.findings.add(at, flaw.what.rule(), || {
-                format!("{name} though until {} {}", flaw.told, flaw.what)
+                format!("{name} was sent too soon: at {}, {}", flaw.told, flaw.what)
             });
         }
     }
 
-    /// Whether control surely is not ours, after telling so where the sentence needs it.
+    /// Reports a sentence that needs a permission which we certainly do not have. Returns whether we certainly do not
+    /// have control.
     fn judge_permission(&mut self, at: Moment, name: &[u8; 5], asks: &Ours) -> bool {
         if !self.limits.operator_commands {
             self.findings.judge(Rule::OperatorOnly);
@@ -176,7 +193,7 @@ impl Oracle {
     }
 }
 
-/// Whether a sentence asks the vehicle to move otherwise than by its plan, or keeps it doing so.
+/// Whether a sentence asks the vehicle to deviate from its plan, or keeps it doing so.
 fn is_dynamic(name: &[u8; 5]) -> bool {
     matches!(
         name,

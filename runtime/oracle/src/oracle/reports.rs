@@ -3,7 +3,7 @@ use crate::state::State;
 use crate::statistics::Statistics;
 
 impl Oracle {
-    /// Where the run stands. It costs next to nothing.
+    /// The state of the run. This call costs almost nothing.
     #[must_use]
     pub const fn state(&self) -> State {
         if !self.control.is_up() {
@@ -34,7 +34,7 @@ impl Oracle {
         }
     }
 
-    /// How much there was to judge until now; to be asked before [`Oracle::finish`].
+    /// How much there was to judge until now. Call it before [`Oracle::finish`].
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         let [
@@ -61,6 +61,7 @@ impl Oracle {
             truth_modified_s,
             truth_judged,
             violations: self.findings.count(),
+            margins: *self.findings.margins(),
             ..self.counts.clone()
         }
     }

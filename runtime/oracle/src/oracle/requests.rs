@@ -5,25 +5,27 @@ use super::{Oracle, RECENT, STEADY};
 use crate::area::Fault;
 use crate::earth::Line;
 use crate::inserts::Insert;
+use crate::margin::Margin;
 use crate::moment::Moment;
 use crate::rule::Rule;
 use crate::services::Rated;
 use crate::time_of_day::TimeOfDay;
 use crate::wire::{Modify, Ours, Request, Setpoint, Speed, Trackcircle, Trackline};
 
-/// A standstill that is longer ends every lease: half a second late, and a second for the wake-up that was due next.
+/// A stop of the runtime that is longer than this ends every lease: half a second late, plus a second for the wake-up
+/// that was due next.
 const SLEPT_MAX: Duration = Duration::from_millis(1600);
-/// A bottom lock tells the depth of the water for so long.
+/// For so long after a bottom lock the depth of the water counts as known.
 const LOCK_LASTS: Duration = Duration::from_secs(5);
-/// What the wire's three decimals may change of a place, metres.
+/// How much the three decimals of a sentence can change a place, metres.
 const PLACE_SLACK_M: f64 = 0.001;
-/// What the wire's three decimals may change of a speed, m/s.
+/// How much the three decimals of a sentence can change a speed, m/s.
 const SPEED_SLACK_MPS: f64 = 0.001;
 
 impl Oracle {
-    /// Judges what a sentence of ours asks for. `denied` where control surely is not ours.
+    /// Judges what a sentence of ours asks for. `denied` is true if we certainly do not have control.
     pub(super) fn we_say(&mut self, at: Moment, request: &Request, denied: bool) {
-        // BPLOG alone has no time of its own.
+        // Only BPLOG has no time of its own.
         self.heartbeat.we_say(at, request);
         let Some(created) = request.created else { return };
         match &request.asks {
@@ -31,7 +33,7 @@ impl Oracle {
                 self.delivery.sent_station(at);
                 let (counts, due) = (self.control.is_up() && !denied, self.end_due());
                 self.findings.judge(Rule::StationGap);
-                self.station.suspend(at, counts, due);
+                self.station.suspend(at, counts, due, &mut self.findings);
             }
             Ours::Continue => self.keep_station(at, denied),
             Ours::HullPosition(place_m) => {
@@ -47,11 +49,11 @@ impl Oracle {
                 self.judge_move(at, "BPGBP", self.limits.bottom_box, place_m);
                 self.keep_station(at, denied);
             }
-            Ours::Resume => self.station.end(at),
+            Ours::Resume => self.station.end(at, &mut self.findings),
             Ours::Modify(modify) => self.judge_modify(at, (created, modify), denied),
             Ours::EndModify => {
                 self.counts.end_modifies += 1;
-                self.lease.end(at);
+                self.lease.end(at, &mut self.findings);
             }
             Ours::Trackline(line) => self.judge_trackline(at, created, line),
             Ours::Trackcircle(circle) => self.judge_trackcircle(at, created, circle),
@@ -62,7 +64,7 @@ impl Oracle {
                 }
                 if is_ours == Some(false) {
                     self.findings.add(at, Rule::CancelForeign, || {
-                        format!("BPRCN for {identifier}, which was never sent")
+                        format!("BPRCN for insert {identifier}, which was never sent")
                     });
                 }
                 self.inserts.cancel_sent(created, *identifier);
@@ -94,7 +96,7 @@ impl Oracle {
                 self.findings.judge(Rule::RequestSurfacing);
                 if !self.area.may_surface(*position) {
                     self.findings.add(at, Rule::RequestSurfacing, || {
-                        format!("BPRGP {identifier} where no zone lets the vehicle surface")
+                        format!("BPRGP {identifier} at a place where no zone allows surfacing")
                     });
                 }
             }
@@ -102,15 +104,15 @@ impl Oracle {
         }
     }
 
-    /// A sentence that keeps a suspension.
+    /// Judges a sentence that refreshes a suspension.
     fn keep_station(&mut self, at: Moment, denied: bool) {
         self.delivery.sent_station(at);
         let (counts, due) = (self.control.is_up() && !denied, self.end_due());
         self.findings.judge(Rule::StationGap);
         self.findings.judge(Rule::StationDead);
-        if !self.station.keep(at, counts, due) && !denied {
+        if !self.station.keep(at, counts, due, &mut self.findings) && !denied {
             self.findings.add(at, Rule::StationDead, || {
-                "a sentence that keeps a suspension, or moves, without BPSUS before it".to_owned()
+                "a sentence that refreshes a suspension, or moves the vehicle, without a BPSUS before it".to_owned()
             });
         }
     }
@@ -121,7 +123,7 @@ impl Oracle {
 
     fn judge_modify(&mut self, at: Moment, (created, modify): (TimeOfDay, &Modify), denied: bool) {
         self.counts.modifies += 1;
-        // Where control is just being lost, the lease that this opens ends with it.
+        // If control is just being lost, the lease that this BPRMB opens ends with it.
         let opens = !self.lease.is_alive();
         if opens && !denied {
             self.judge_pause(at);
@@ -132,7 +134,10 @@ impl Oracle {
         }
         if opens && self.lease.is_unended() && slept > SLEPT_MAX && !denied {
             self.findings.add(at, Rule::LeaseAfterStop, || {
-                format!("BPRMB goes on after {:.1} s at a standstill", slept.as_secs_f64())
+                format!(
+                    "BPRMB continues a lease after the runtime was stopped for {:.1} s",
+                    slept.as_secs_f64()
+                )
             });
         }
         self.delivery.sent_modify(at, created);
@@ -143,7 +148,7 @@ impl Oracle {
             .flatten()
             .min_by_key(|due| due.by);
         let counts = self.control.is_up() && !denied;
-        // What is judged as a whole lease already is not told for each of its sentences.
+        // A fault that is reported for the whole lease is not reported again for each of its sentences.
         if jump_due.is_some() || self.frame_moved.is_some() {
             self.findings.judge(Rule::JumpIgnored);
         }
@@ -151,7 +156,7 @@ impl Oracle {
         if jumped && !denied {
             let steps_m = unsteady.map_or(0.0, |jump| jump.step_m);
             self.findings.add(at, Rule::JumpIgnored, || {
-                format!("BPRMB though navigation jumped by {steps_m:.0} m within the last 10 s")
+                format!("BPRMB was sent although navigation jumped by {steps_m:.0} m within the last 10 s")
             });
         }
         if let Some(moved) = self.frame_moved
@@ -159,7 +164,7 @@ impl Oracle {
             && at.since(moved) < STEADY
         {
             self.findings.add(at, Rule::JumpIgnored, || {
-                format!("BPRMB though the vehicle was told at {moved} that it is elsewhere")
+                format!("BPRMB was sent although we told the vehicle at {moved} that it is elsewhere")
             });
         }
         let counts = counts && !jumped;
@@ -171,17 +176,22 @@ impl Oracle {
         self.findings.judge(Rule::ModifyTooFast);
         self.lease
             .modify(at, created, counts, self.runtime_late, due, &mut self.findings);
-        // What the vehicle refuses is judged once, as that.
+        // A modify without control, which the vehicle refuses, is reported once, by the rule for control.
         if denied {
             return;
         }
         self.findings.judge(Rule::StaleNavigation);
         self.findings.judge(Rule::ModifyInherits);
+        if let Some(age) = self.navigation.age(at) {
+            let allowed = self.navigation_age_allowed();
+            self.findings
+                .near(Margin::NavigationAge, age.as_secs_f64(), allowed.as_secs_f64());
+        }
         if self.is_stale(at, Duration::ZERO) && self.lease.tell_stale() {
             let age = self.navigation.age(at);
             self.findings.add(at, Rule::StaleNavigation, || match age {
-                Some(age) => format!("BPRMB while navigation is {:.3} s old", age.as_secs_f64()),
-                None => "BPRMB without any navigation on this connection".to_owned(),
+                Some(age) => format!("BPRMB was sent while navigation was {:.3} s old", age.as_secs_f64()),
+                None => "BPRMB was sent without any navigation on this connection".to_owned(),
             });
         }
         if !modify.complete {
@@ -192,8 +202,9 @@ impl Oracle {
         if let Some(heading) = modify.heading_deg
             && !(0.0..=360.0).contains(&heading)
         {
-            self.findings
-                .add(at, Rule::Malformed, || format!("BPRMB with heading {heading}"));
+            self.findings.add(at, Rule::Malformed, || {
+                format!("BPRMB with heading {heading}: expected 0 to 360")
+            });
         }
         self.judge_consequence(at, modify, opens);
         if let Some(speed_mps) = modify.speed_mps {
@@ -206,7 +217,7 @@ impl Oracle {
         self.tell_fault(at, "BPRMB", verdict);
     }
 
-    /// What a BPRMB leads to from where the vehicle says that it is.
+    /// Judges where a BPRMB leads from the position that the vehicle reports.
     fn judge_consequence(&mut self, at: Moment, modify: &Modify, opens: bool) {
         let told = self.navigation.heard_for_sure(at, self.sure());
         let Some(told) = told.filter(|told| at.since(told.at) < RECENT) else {
@@ -260,7 +271,7 @@ impl Oracle {
         self.tell_fault(at, &what, verdict);
     }
 
-    /// A lease begins: not too soon after one that the vehicle has refused.
+    /// Judges whether a lease begins too soon after the vehicle refused one.
     fn judge_pause(&mut self, at: Moment) {
         if !self.pause.is_any() {
             return;
@@ -270,17 +281,18 @@ impl Oracle {
         if let Some((refused, pause)) = self.pause.standing(at, heard) {
             self.findings.add(at, Rule::PauseIgnored, || {
                 let pause_s = pause.as_secs_f64();
-                format!("a lease begins though the vehicle refused one at {refused}, and none may for {pause_s:.0} s")
+                format!("a lease began although the vehicle refused one at {refused}, less than {pause_s:.0} s before")
             });
         }
     }
 
-    /// We tell the vehicle that it is elsewhere: what steers by where it was has ended before.
+    /// We tell the vehicle that it is elsewhere. Every lease and station keeping, which use the old position, must have
+    /// ended before.
     fn frame_moves(&mut self, at: Moment) {
         self.findings.judge(Rule::JumpIgnored);
         if self.lease.is_alive() || self.station.is_alive() {
             self.findings.add(at, Rule::JumpIgnored, || {
-                "the vehicle is told that it is elsewhere under a lease or station keeping".to_owned()
+                "we told the vehicle that it is elsewhere while a lease or station keeping was alive".to_owned()
             });
         }
         self.frame_moved = Some(at);
@@ -292,20 +304,21 @@ impl Oracle {
         }
         if !self.plan_heard && self.control.is_granted() {
             self.findings.add(at, Rule::PlanUnknown, || {
-                format!("insert {identifier} though the vehicle has told nothing of its plan")
+                format!("insert {identifier} was sent although the vehicle has reported no part of its plan")
             });
         }
         self.findings.judge(Rule::BeginUnheard);
         if !self.begin_heard && self.control.is_granted() {
             self.findings.add(at, Rule::BeginUnheard, || {
-                format!("insert {identifier} though on this connection no behavior was told to begin")
+                format!("insert {identifier} was sent although the vehicle has reported no begin on this connection")
             });
         }
         let total_max = self.limits.inserts_total_max;
         self.inserts.sent(at, identifier, insert, total_max, &mut self.findings);
     }
 
-    /// How long a way takes, seconds. What turns make is not known: the slowest speed is taken.
+    /// How long a path takes, seconds. For a speed in turns of the thruster, which says nothing about metres per
+    /// second, the slowest speed is used.
     fn duration_s(&self, length_m: f64, speed: Speed) -> f64 {
         let speed_mps = match speed {
             Speed::MetresPerSecond(speed_mps) => speed_mps,
@@ -314,7 +327,7 @@ impl Oracle {
         length_m / speed_mps.max(0.1)
     }
 
-    /// A height above the seabed is a depth only where the water's is known.
+    /// Judges an altitude setpoint: it has a known depth only if the depth of the water is known.
     fn judge_bottom(&mut self, at: Moment, what: &str, setpoint: Setpoint) {
         if self.limits.water_depth_known || !matches!(setpoint, Setpoint::Altitude(_)) {
             return;
@@ -326,12 +339,12 @@ impl Oracle {
             .map(|locked| self.process.heard(locked) + self.sure());
         if heard.is_none_or(|heard| at.since(heard) > LOCK_LASTS) {
             self.findings.add(at, Rule::BottomUnknown, || {
-                format!("{what}: {setpoint}, and the vehicle has told of no bottom for over 5 s")
+                format!("{what}: {setpoint}, but the vehicle has reported no bottom lock for over 5 s")
             });
         }
     }
 
-    /// Where a suspended vehicle is told to go: within the mission's box, in what it says of it.
+    /// Judges where a suspended vehicle is sent: each coordinate of the sentence must be within the mission's box.
     fn judge_move(&mut self, at: Moment, name: &str, bounds_m: Option<[[f64; 2]; 3]>, place_m: [Option<f64>; 3]) {
         let Some(bounds_m) = bounds_m else { return };
         self.findings.judge(Rule::RequestBox);
@@ -340,13 +353,14 @@ impl Oracle {
                 && !(from_m - PLACE_SLACK_M..=to_m + PLACE_SLACK_M).contains(&metres)
             {
                 self.findings.add(at, Rule::RequestBox, || {
-                    format!("{name} to {metres} m, which is not within {from_m} to {to_m} m")
+                    format!("{name} to {metres} m: expected {from_m} to {to_m} m")
                 });
             }
         }
     }
 
-    /// A speed through the water; what turns make is not known.
+    /// Judges a speed through the water. A speed in turns of the thruster is not judged, because it says nothing about
+    /// metres per second.
     fn judge_speed(&mut self, at: Moment, what: &str, speed: Speed) {
         let Speed::MetresPerSecond(speed_mps) = speed else {
             return;
@@ -355,7 +369,7 @@ impl Oracle {
         let (min, max) = (self.limits.speed_min_mps, self.limits.speed_max_mps);
         if !(min - SPEED_SLACK_MPS..=max + SPEED_SLACK_MPS).contains(&speed_mps) {
             self.findings.add(at, Rule::RequestSpeed, || {
-                format!("{what}: {speed_mps} m/s is not within {min} to {max}")
+                format!("{what} at {speed_mps} m/s: expected {min} to {max} m/s")
             });
         }
     }

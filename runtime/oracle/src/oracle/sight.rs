@@ -4,11 +4,12 @@ use crate::moment::Moment;
 use crate::rule::Rule;
 use crate::services::Silence;
 
-/// What a run does not tell, and what can be judged all the same.
+/// What a record does not have, and what the oracle can judge without it.
 impl Oracle {
-    /// Nobody has written down what was said from one time until another. Whatever hangs on that is unknown until the
-    /// run tells it again: whose control is, what is alive, waits or is flown, the operator's hold, navigation. Nothing is
-    /// claimed of it. Sentences that were written down before remain what they were.
+    /// There is a gap in the record from one time until another. Everything that depends on it is unknown until the
+    /// record shows it again: who has control, which requests are alive, waiting or being flown, the operator's hold,
+    /// navigation. The oracle reports no violation that depends on what it does not know. Sentences that were recorded
+    /// before the gap still count.
     pub fn gap(&mut self, from_ns: u64, until_ns: u64) {
         let at = Moment::from_nanos(until_ns);
         self.pass_time(Moment::from_nanos(from_ns));
@@ -40,12 +41,12 @@ impl Oracle {
         self.arriving.resume();
     }
 
-    /// Identifiers below this one were given before the run began, by a previous run.
+    /// A previous run gave the identifiers below this one.
     pub fn identifiers_from(&mut self, first: u32) {
         self.inserts.begin_with(first);
     }
 
-    /// How each rule fared until now; to be asked before [`Oracle::finish`].
+    /// How often each rule was judged and broken until now. Call it before [`Oracle::finish`].
     #[must_use]
     pub fn rules(&self) -> Vec<Judged> {
         let told = Rule::ALL.into_iter().filter(|rule| *rule != Rule::Omitted);
@@ -66,21 +67,23 @@ impl Oracle {
     fn why_unjudged(&self, rule: Rule) -> &'static str {
         let (truths, ..) = self.conduct.counts();
         match (rule, rule.side()) {
-            (_, Side::Truth) if truths == 0 => "no truth",
-            (_, Side::Arrived) if !self.delivery.is_told() => "when our sentences arrived at the vehicle is not known",
+            (_, Side::Truth) if truths == 0 => "no true position is recorded",
+            (_, Side::Arrived) if !self.delivery.is_told() => {
+                "the record does not say when our sentences arrived at the vehicle"
+            }
             (Rule::OperatorOnly | Rule::MovesTruth, _) if self.limits.operator_commands => {
-                "the mission lets its operator order them"
+                "the mission allows the operator to order them"
             }
             (Rule::RequestBox, _) if self.limits.hull_box.is_none() && self.limits.bottom_box.is_none() => {
                 "the mission has no box"
             }
             (Rule::BottomUnknown, _) if self.limits.water_depth_known => "the mission says how deep the water is",
-            (Rule::PlanUnknown, _) if !self.plan_heard => "no plan was told, and no insert was sent",
-            (_, Side::Sent | Side::Heard | Side::Operator | Side::Arrived | Side::Truth) => "it never came to it",
+            (Rule::PlanUnknown, _) if !self.plan_heard => "the vehicle reported no plan, and no insert was sent",
+            (_, Side::Sent | Side::Heard | Side::Operator | Side::Arrived | Side::Truth) => "no case of it occurred",
         }
     }
 
-    /// Bytes come or go after a gap: the link is up, though nobody has written down when it came up.
+    /// Bytes after a gap show that the link is up, even if the record does not have the moment at which it came up.
     pub(super) fn sees_bytes(&mut self, at: Moment) {
         if self.blind && !self.control.is_up() {
             let change = self.control.lose_sight(at);

@@ -5,7 +5,7 @@ use crate::services::Counted;
 use crate::wire::{Answer, Fix, Outcome, Said, newest_sentence, read_vehicle};
 
 impl Oracle {
-    /// A line of the vehicle's, of which its last sentence counts.
+    /// Reads a line of the vehicle. Only its last sentence counts.
     pub(super) fn vehicle_line(&mut self, at: Moment, line: &[u8]) {
         let Some(sentence) = newest_sentence(line) else { return };
         if let Some(said) = read_vehicle(sentence) {
@@ -99,9 +99,9 @@ impl Oracle {
         }
     }
 
-    /// Another behavior than the one that was modified is flown.
+    /// The vehicle now flies another behavior than the one that was modified.
     fn behavior_changed(&mut self, at: Moment) {
-        self.lease_must_end(self.due(at, Rule::LeaseOutlives, "a behavior began or ended under it"));
+        self.lease_must_end(self.due(at, Rule::LeaseOutlives, "a behavior began or ended"));
     }
 
     fn answered(&mut self, at: Moment, answer: &Answer) {
@@ -133,7 +133,7 @@ impl Oracle {
                 if !self.process.is_stopped() {
                     self.pause.refused(at);
                 }
-                self.lease_must_end(self.due(at, Rule::LeaseOutlives, "the vehicle refused it"));
+                self.lease_must_end(self.due(at, Rule::LeaseOutlives, "the vehicle refused the lease"));
             }
             b"RTK" | b"RTC" | b"RGP" => {
                 self.inserts.answered(at, identifier, created, taken);

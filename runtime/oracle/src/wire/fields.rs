@@ -3,25 +3,25 @@ use std::fmt;
 use crate::earth::Position;
 use crate::time_of_day::{Echo, TimeOfDay};
 
-/// Why a line of ours is not as the specification wants it.
+/// How a line of ours differs from the specification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// It does not end with a carriage return before the line feed (SPI 4.2).
     End,
-    /// It does not begin with a dollar sign and end with a checksum that is right and of two upper-case digits.
+    /// It does not begin with a dollar sign, or does not end with the right checksum in two upper-case digits.
     Frame,
-    /// A byte between is no printable one, or is reserved (SPI 4.2).
+    /// A byte is not printable, or is reserved (SPI 4.2).
     Byte,
     /// Its name is not that of a payload's sentence.
     Name,
-    /// A field is not what the specification writes there, or is missing.
+    /// A field differs from the specification, or is missing.
     Field {
-        /// Which one, counted from 1 after the name.
+        /// Which field, counted from 1 after the name.
         index: usize,
-        /// What belongs there.
+        /// What the specification has there.
         expected: &'static str,
     },
-    /// It has a field more than the specification writes.
+    /// It has more fields than the specification.
     Surplus,
 }
 
@@ -29,11 +29,11 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::End => f.write_str("no carriage return before the line feed"),
-            Self::Frame => f.write_str("no $, or no right checksum of two upper-case digits"),
+            Self::Frame => f.write_str("no $, or no correct checksum in two upper-case digits"),
             Self::Byte => f.write_str("a reserved or unprintable byte"),
             Self::Name => f.write_str("not the name of a payload's sentence"),
             Self::Field { index, expected } => write!(f, "field {index}: expected {expected}"),
-            Self::Surplus => f.write_str("more fields than the sentence has"),
+            Self::Surplus => f.write_str("more fields than the specification has"),
         }
     }
 }
@@ -41,9 +41,9 @@ impl fmt::Display for Fault {
 /// A vertical setpoint, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Setpoint {
-    /// Below the surface.
+    /// Depth below the surface.
     Depth(f64),
-    /// Above the seabed.
+    /// Altitude above the seabed.
     Altitude(f64),
 }
 
@@ -56,30 +56,30 @@ impl fmt::Display for Setpoint {
     }
 }
 
-/// How fast.
+/// A speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
     /// Through the water, m/s.
     MetresPerSecond(f64),
-    /// Turns of the thruster, a minute.
+    /// Turns of the thruster per minute.
     Rpm(f64),
 }
 
-/// What is left of a sentence's fields (SPI 4.2, Table 1).
+/// The rest of a sentence's fields (SPI 4.2, Table 1).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fields<'a> {
-    /// With the comma before the next one; empty after the last one.
+    /// The rest begins with the comma before the next field, and is empty after the last one.
     rest: &'a [u8],
     index: usize,
 }
 
 impl<'a> Fields<'a> {
-    /// Of what follows a sentence's name.
+    /// Starts with the bytes after a sentence's name.
     pub(super) const fn new(rest: &'a [u8]) -> Self {
         Self { rest, index: 0 }
     }
 
-    /// The next field; nothing where there is none.
+    /// The next field; `None` if there is none.
     pub(super) fn take(&mut self) -> Option<&'a [u8]> {
         let rest = self.rest.strip_prefix(b",")?;
         let end = rest.iter().position(|byte| *byte == b',').unwrap_or(rest.len());
@@ -89,7 +89,7 @@ impl<'a> Fields<'a> {
         Some(field)
     }
 
-    /// What the next field is read as.
+    /// Reads the next field.
     pub(super) fn read<T>(
         &mut self,
         expected: &'static str,
@@ -99,7 +99,7 @@ impl<'a> Fields<'a> {
         self.take().and_then(read).ok_or(Fault::Field { index, expected })
     }
 
-    /// As [`Fields::read`], where an empty field says nothing.
+    /// As [`Fields::read`], but an empty field is `None`.
     pub(super) fn read_or_empty<T>(
         &mut self,
         expected: &'static str,
@@ -115,14 +115,14 @@ impl<'a> Fields<'a> {
         self.read("a time", time)
     }
 
-    /// The time that a sentence of ours has: the specification wants milliseconds at least.
+    /// The time of a sentence of ours: the specification wants at least milliseconds.
     pub(super) fn precise_time(&mut self) -> Result<TimeOfDay, Fault> {
         self.read("a time to the millisecond", |text| {
             time(text).filter(|_| text.len() >= "hhmmss.sss".len())
         })
     }
 
-    /// The time of a command that is echoed, with as many decimals as it has.
+    /// The echoed time of a command, with its decimals.
     pub(super) fn echo(&mut self) -> Result<Echo, Fault> {
         self.read("a time", |text| {
             time(text).map(|echoed| Echo::new(echoed, text.len().saturating_sub("hhmmss.".len())))
@@ -176,7 +176,7 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// Degrees of so many digits and minutes, then the side on which they count as positive or as negative.
+    /// Reads degrees with this number of digits and minutes, then the hemisphere, which gives the sign.
     fn angle(&mut self, digits: usize, [positive, negative]: [&[u8]; 2], max_deg: f64) -> Result<f64, Fault> {
         let deg = self.read("degrees and minutes", |text| {
             let (degrees, minutes) = text.split_at_checked(digits)?;
@@ -196,7 +196,7 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// A depth or an altitude by its code and its value.
+    /// Reads a depth or an altitude: code, then value.
     pub(super) fn setpoint(&mut self) -> Result<Setpoint, Fault> {
         let code = self.code(1)?;
         let metres = self.number()?;
@@ -207,7 +207,7 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// A speed by its value and its code.
+    /// Reads a speed: value, then code.
     pub(super) fn speed(&mut self) -> Result<Speed, Fault> {
         let value = self.number()?;
         let code = self.code(1)?;
@@ -218,12 +218,12 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// What is reserved is empty or 0.
+    /// Reads a reserved field, which is empty or 0.
     pub(super) fn reserved(&mut self) -> Result<(), Fault> {
         self.read("nothing, or 0", |text| matches!(text, b"" | b"0").then_some(()))
     }
 
-    /// There is no field more.
+    /// Checks that no field is left.
     pub(super) fn end(&self) -> Result<(), Fault> {
         if self.rest.is_empty() {
             Ok(())
@@ -233,7 +233,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// No value of the interface is larger.
+/// No value of the interface is larger than this.
 const NUMBER_MAX: f64 = 1e9;
 
 /// A decimal number without an exponent.
@@ -248,7 +248,7 @@ pub(super) fn number(text: &[u8]) -> Option<f64> {
         match byte {
             b'0'..=b'9' => {
                 any = true;
-                // More digits than a double holds say nothing.
+                // Digits beyond those that a double holds have no effect.
                 if value < 1_000_000_000_000_000 && unit < 1_000_000_000_000_000 {
                     value = value * 10 + u64::from(byte - b'0');
                     unit *= if point { 10 } else { 1 };
@@ -264,7 +264,7 @@ pub(super) fn number(text: &[u8]) -> Option<f64> {
     (any && value <= NUMBER_MAX).then_some(if negative { -value } else { value })
 }
 
-/// A whole number that is not negative.
+/// Reads a whole number that is not negative.
 pub(super) fn whole(text: &[u8]) -> Option<u32> {
     let text = text.trim_ascii();
     let digit = |byte: &u8| byte.is_ascii_digit().then(|| u32::from(byte - b'0'));
@@ -272,7 +272,7 @@ pub(super) fn whole(text: &[u8]) -> Option<u32> {
     (!text.is_empty()).then(|| text.iter().try_fold(0, add))?
 }
 
-/// A whole number that may be negative.
+/// Reads a whole number that may be negative.
 pub(super) fn integer(text: &[u8]) -> Option<i32> {
     let text = text.trim_ascii();
     let value = match text.strip_prefix(b"-") {
@@ -282,7 +282,7 @@ pub(super) fn integer(text: &[u8]) -> Option<i32> {
     value.and_then(|value| value.try_into().ok())
 }
 
-/// The time of day that a field is: hhmmss, and a point with any number of decimals.
+/// Reads a field as a time of day: hhmmss, and a point with any number of decimals.
 fn time(text: &[u8]) -> Option<TimeOfDay> {
     let whole = match text.get(6..)?.split_first() {
         None => true,
@@ -291,7 +291,7 @@ fn time(text: &[u8]) -> Option<TimeOfDay> {
     time_at_start(text).filter(|_| whole)
 }
 
-/// The time of day at the start of a text, whatever follows it; nanoseconds are the finest.
+/// Reads the time of day at the start of a text, whatever follows it. Decimals beyond nanoseconds are ignored.
 pub(super) fn time_at_start(text: &[u8]) -> Option<TimeOfDay> {
     let digit = |at: usize| {
         let byte = text.get(at).filter(|byte| byte.is_ascii_digit())?;

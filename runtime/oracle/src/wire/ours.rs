@@ -3,12 +3,12 @@ use super::line::{is_checksum, split_checksum};
 use crate::earth::Position;
 use crate::time_of_day::TimeOfDay;
 
-/// A sentence of ours, as far as a rule is about it.
+/// A sentence of ours, with what the rules need of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
     /// The five letters of its name.
     pub name: [u8; 5],
-    /// When it says that it was made; BPLOG says nothing (SPI 7.1).
+    /// When it says that it was made; BPLOG has no time (SPI 7.1).
     pub created: Option<TimeOfDay>,
     /// What it asks for.
     pub asks: Ours,
@@ -19,16 +19,16 @@ pub struct Request {
 pub enum Ours {
     /// BPLOG (SPI 7.1).
     Subscribe {
-        /// It asks for acknowledgements.
+        /// Whether it asks for acknowledgements.
         acknowledgements: bool,
     },
     /// BPTOP (SPI 7.3).
     Topside,
     /// BPDVR (SPI 7.4).
     DvlTrigger {
-        /// Asks to begin external triggering, or to end it.
+        /// Whether we ask for external triggering; if not, we ask to end it.
         external: bool,
-        /// We trigger the DVL now.
+        /// Whether we trigger the DVL now.
         triggering: bool,
     },
     /// BPRTK (SPI 7.5).
@@ -57,7 +57,7 @@ pub enum Ours {
     RequestPlan,
     /// BPSIL (SPI 7.22).
     Silent {
-        /// Silent, or normal.
+        /// Silent mode, or normal mode.
         silent: bool,
     },
     /// BPSUS (SPI 8.1).
@@ -66,7 +66,7 @@ pub enum Ours {
     Continue,
     /// BPRES (SPI 8.3).
     Resume,
-    /// BPGHP (SPI 8.6), metres along the hull, up or down it, and from it.
+    /// BPGHP (SPI 8.6): metres along the hull, up or down the hull, and away from it.
     HullPosition([f64; 3]),
     /// BPGBP (SPI 8.7).
     BottomPosition {
@@ -74,21 +74,21 @@ pub enum Ours {
         x_m: f64,
         /// Metres over the bottom.
         y_m: f64,
-        /// How deep or how high.
+        /// The depth or altitude.
         vertical: Setpoint,
     },
-    /// BPRNS or BPRBO (SPI 8.8, 8.9): the vehicle is told that it is elsewhere, or looks elsewhere.
+    /// BPRNS or BPRBO (SPI 8.8, 8.9): we tell the vehicle that it is, or looks, elsewhere.
     FrameMoves,
     /// BPSAN, BPPTZ or BPLIT (SPI 8.5, 8.10, 8.11).
     Device,
     /// BPCPD (SPI 9.4).
     Packet,
-    /// A sentence that no rule looks into, those of later versions included.
+    /// A sentence whose fields no rule needs, such as one of a later version.
     Other,
 }
 
 impl Ours {
-    /// Nothing takes it back once it is sent: a GPS hit (SPI 7.8), and what interrupts at once.
+    /// Whether it cannot be taken back once it is sent: a GPS hit (SPI 7.8), and an insert that interrupts at once.
     pub(crate) fn is_irrevocable(&self) -> bool {
         matches!(
             self,
@@ -108,11 +108,11 @@ pub struct Trackline {
     pub start: Position,
     /// Where it ends.
     pub end: Position,
-    /// How deep or how high.
+    /// The depth or altitude.
     pub vertical: Setpoint,
-    /// How fast.
+    /// The speed.
     pub speed: Speed,
-    /// It interrupts the current behavior.
+    /// Whether it interrupts the current behavior.
     pub interrupts: bool,
 }
 
@@ -125,34 +125,34 @@ pub struct Trackcircle {
     pub centre: Position,
     /// Its radius, metres.
     pub radius_m: f64,
-    /// How many times round, clockwise where positive.
+    /// The number of orbits, clockwise if positive.
     pub orbits: f64,
-    /// How deep or how high.
+    /// The depth or altitude.
     pub vertical: Setpoint,
-    /// How fast.
+    /// The speed.
     pub speed: Speed,
-    /// It interrupts the current behavior.
+    /// Whether it interrupts the current behavior.
     pub interrupts: bool,
 }
 
 /// A change of the current behavior.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modify {
-    /// No field is empty: nothing is left to the current behavior.
+    /// Whether no field is empty, so that nothing is left to the current behavior.
     pub complete: bool,
-    /// Degrees from a north that the specification does not name, where the horizontal mode is 0.
+    /// The heading, in degrees from a north that the specification does not name, if the horizontal mode is 0.
     pub heading_deg: Option<f64>,
-    /// Where the vertical mode is 0 or 1.
+    /// The depth or altitude, if the vertical mode is 0 or 1.
     pub vertical: Option<Setpoint>,
-    /// Where the speed mode is 1 (it is the other way round than in BPRTK), m/s.
+    /// The speed, m/s, if the speed mode is 1. (BPRTK numbers its speed modes the other way round.)
     pub speed_mps: Option<f64>,
 }
 
-/// The sentence of a line of ours, without the line feed.
+/// Reads the sentence in a line of ours; `line` has no line feed.
 ///
 /// # Errors
-/// [`Fault`] says what is not as the specification wants it. Names that the specification does not have pass, with
-/// whatever fields: later versions may define them (SPI 4.2).
+/// [`Fault`] says what differs from the specification. A name that the specification does not have passes with any
+/// fields, because later versions may define it (SPI 4.2).
 pub fn read_ours(line: &[u8]) -> Result<Request, Fault> {
     let sentence = line.strip_suffix(b"\r").ok_or(Fault::End)?;
     let (body, digits) = split_checksum(sentence).ok_or(Fault::Frame)?;
@@ -209,7 +209,7 @@ fn of_later_version(name: [u8; 5], mut fields: Fields<'_>) -> Request {
     }
 }
 
-/// The fields of a sentence that begins with a time; nothing where the specification has no such sentence.
+/// Reads the fields of a sentence that begins with a time. `None` if the specification has no such sentence.
 fn known(name: &[u8; 5], fields: &mut Fields<'_>) -> Result<Option<(TimeOfDay, Ours)>, Fault> {
     if !is_known(name) {
         return Ok(None);
@@ -354,7 +354,7 @@ fn known(name: &[u8; 5], fields: &mut Fields<'_>) -> Result<Option<(TimeOfDay, O
     Ok(Some((created, asks)))
 }
 
-/// Whether the specification has a sentence that begins with a time.
+/// Whether the specification has a sentence of this name that begins with a time.
 fn is_known(name: &[u8; 5]) -> bool {
     const LETTERS: [&[u8; 3]; 36] = [
         b"STS", b"TOP", b"DVR", b"RTK", b"RTC", b"RGP", b"RCN", b"RCA", b"RCB", b"RCE", b"RMB", b"EMB", b"TMR", b"CTD",
@@ -372,7 +372,7 @@ fn numbers<const N: usize>(fields: &mut Fields<'_>) -> Result<[f64; N], Fault> {
     Ok(values)
 }
 
-/// The interrupt code: after the current behavior, or at once.
+/// Reads the interrupt code: after the current behavior, or at once.
 fn interrupts(fields: &mut Fields<'_>) -> Result<bool, Fault> {
     fields.read("0 or 4", |text| match text {
         b"0" => Some(false),
@@ -381,7 +381,8 @@ fn interrupts(fields: &mut Fields<'_>) -> Result<bool, Fault> {
     })
 }
 
-/// The format line of SPI 7.6 lacks the entry angle that its table has: a sentence with it has a field more.
+/// The format line of SPI 7.6 lacks the entry angle that its table has. A sentence with an entry angle has one more
+/// field.
 fn trackcircle(fields: &mut Fields<'_>) -> Result<Trackcircle, Fault> {
     let mut circle = Trackcircle {
         identifier: fields.whole()?,
@@ -430,8 +431,8 @@ fn modify(fields: &mut Fields<'_>) -> Result<Modify, Fault> {
     })
 }
 
-/// Request, destination, telemetry mode, whether an answer is wanted, how many frames, and eight frames of hexadecimal
-/// digits, of which those beyond the number are empty (SPI 9.4).
+/// Reads the request, the destination, the telemetry mode, whether an answer is wanted, the number of frames, and eight
+/// frames of hexadecimal digits. Frames beyond the number are empty (SPI 9.4).
 fn packet(fields: &mut Fields<'_>) -> Result<(), Fault> {
     fields.whole()?;
     fields.whole()?;

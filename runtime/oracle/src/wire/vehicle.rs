@@ -3,7 +3,7 @@ use super::line::checked;
 use crate::earth::Position;
 use crate::time_of_day::{Echo, TimeOfDay};
 
-/// What the vehicle said, as far as a rule is about it.
+/// A sentence of the vehicle, with what the rules need of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Said<'a> {
     /// BFMSC (SPI 5.1) with its text.
@@ -12,7 +12,7 @@ pub enum Said<'a> {
     Shutdown,
     /// BFDVT (SPI 5.6).
     DvlTriggering {
-        /// The payload may begin to trigger, or must cease.
+        /// Whether the payload may begin to trigger; if not, it must stop.
         begin: bool,
     },
     /// BFNVG (SPI 6.1).
@@ -23,21 +23,21 @@ pub enum Said<'a> {
     Begins {
         /// The dive file.
         dive: &'a [u8],
-        /// It is a behavior of the plan.
+        /// Whether it is a behavior of the plan.
         planned: bool,
-        /// It is an insert of ours.
+        /// The identifier, if it is an insert of ours.
         identifier: Option<u32>,
     },
     /// BFMBE (SPI 6.10).
     Ends {
-        /// It was an insert of ours.
+        /// The identifier, if it was an insert of ours.
         identifier: Option<u32>,
     },
     /// BFMIS (SPI 6.11).
     MissionStatus {
         /// The dive file.
         dive: &'a [u8],
-        /// Its status begins with `Running`.
+        /// Whether its status begins with `Running`.
         running: bool,
     },
     /// BFPLN (SPI 6.20).
@@ -46,7 +46,7 @@ pub enum Said<'a> {
     Answer(Answer),
     /// BFCTL (SPI 6.24).
     Control {
-        /// The payload has control from now on.
+        /// Whether the payload has control from now on.
         granted: bool,
     },
     /// BFCMA (SPI 9.1).
@@ -58,7 +58,7 @@ pub enum Said<'a> {
     },
 }
 
-/// How fast the vehicle believes to go.
+/// The velocities that the vehicle reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Velocities {
     /// When the sentence was made.
@@ -69,22 +69,22 @@ pub struct Velocities {
     pub north_mps: f64,
 }
 
-/// Where the vehicle believes to be.
+/// The position that the vehicle reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
     /// When the sentence was made.
     pub created: TimeOfDay,
     /// When the solution was computed.
     pub solution: TimeOfDay,
-    /// Where.
+    /// The position.
     pub position: Position,
-    /// Metres.
+    /// The depth, metres.
     pub depth_m: f64,
-    /// It says a height above the seabed: 0 is none.
+    /// Whether it reports an altitude: 0 means that there is none.
     pub locked: bool,
-    /// GPS is in the solution, or what a later version has.
+    /// Whether GPS, or a source of a later version, is in the solution.
     pub by_gps: bool,
-    /// From the north of the grid, degrees.
+    /// The heading from grid north, degrees.
     pub heading_deg: f64,
 }
 
@@ -93,47 +93,47 @@ pub struct Fix {
 pub struct Element {
     /// The behavior's number in the dive file.
     pub number: Option<u32>,
-    /// The insert of ours that it is.
+    /// The identifier, if it is an insert of ours.
     pub identifier: Option<u32>,
     /// Its place among the points of its behavior.
     pub index: u32,
-    /// Where it is.
+    /// The position.
     pub position: Position,
 }
 
-/// What became of a command.
+/// The outcome of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     /// When the answer was made.
     pub created: TimeOfDay,
-    /// The three letters of its name; `NAK` for what was no command.
+    /// The three letters of the command's name; `NAK` for something that was no command.
     pub command: [u8; 3],
-    /// The command's own time; midnight where it had none.
+    /// The command's own time; midnight if it had none.
     pub command_created: Echo,
-    /// The insert that it asked for.
+    /// The identifier of the insert, if the command names one.
     pub identifier: Option<u32>,
-    /// What became of it.
+    /// The outcome.
     pub outcome: Outcome,
 }
 
 /// The status code of an acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// 0: it could not be read.
+    /// 0: the vehicle could not read it.
     Invalid,
-    /// 1: it was refused, or failed.
+    /// 1: the vehicle refused it, or it failed.
     Failed,
-    /// 2: it was done.
+    /// 2: the vehicle did it.
     Succeeded,
-    /// 3, or a code of a later version: nothing yet.
+    /// 3, or a code of a later version: not decided yet.
     Pending,
 }
 
-/// What the vehicle said in a sentence, which begins with its dollar sign. Nothing where its checksum is wrong, where a
-/// field that a rule needs is not what the specification writes there, and where no rule needs the sentence.
+/// Reads a sentence of the vehicle, which begins with its dollar sign. `None` if its checksum is wrong, if a field that
+/// the reader checks differs from the specification, or if no rule needs the sentence.
 #[must_use]
 pub fn read_vehicle(sentence: &[u8]) -> Option<Said<'_>> {
-    // Most sentences are of no rule's interest: their checksums are not looked at.
+    // No rule needs most sentences: their checksums are not computed.
     let name = sentence.get(1..)?.first_chunk::<5>()?;
     let reader = match name {
         b"BFNVG" => navigation,
@@ -154,12 +154,12 @@ pub fn read_vehicle(sentence: &[u8]) -> Option<Said<'_>> {
     reader(&mut Fields::new(rest)).ok()
 }
 
-/// Each field is held to what the specification writes, those that no rule needs too: damage that the checksum does not
-/// show is seldom in one field alone.
+/// The reader checks every field, even those that no rule needs: damage that the checksum does not reveal is seldom in
+/// one field alone.
 fn navigation<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
     let created = fields.time()?;
     let position = fields.position()?;
-    // A code that the specification does not know says nothing against the place.
+    // An unknown code is no reason to doubt the position.
     let code = fields.read("a digit", |text| match text {
         [digit @ b'0'..=b'9'] => Some(digit),
         _ => None,
@@ -194,7 +194,7 @@ fn velocities<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
 
 fn answer<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
     let created = fields.time()?;
-    // Its three letters, or the whole name.
+    // The three letters of the name, or the whole name.
     let command = fields.read("a command's name", |text| {
         let text = text.trim_ascii();
         let letters = if text.len() == 5 {
@@ -223,7 +223,7 @@ fn answer<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
     }))
 }
 
-/// A number that may be left out: vehicles leave blanks there too.
+/// Reads a number that may be missing. Some vehicles leave blanks in its place.
 fn count(fields: &mut Fields<'_>) -> Result<Option<u32>, Fault> {
     fields.read("a whole number, or nothing", |text| match text.trim_ascii() {
         b"" => Some(None),
@@ -231,12 +231,12 @@ fn count(fields: &mut Fields<'_>) -> Result<Option<u32>, Fault> {
     })
 }
 
-/// The identifier of an insert of ours. Vehicles write 0 where there is none, as in acknowledgements.
+/// Reads the identifier of an insert of ours. Vehicles write 0 if there is none, as they do in acknowledgements.
 fn identifier(fields: &mut Fields<'_>) -> Result<Option<u32>, Fault> {
     count(fields).map(|identifier| identifier.filter(|identifier| *identifier != 0))
 }
 
-/// Dive file, number and identifier of a behavior; its kind, which comes last, may be missing.
+/// Reads the dive file, and the number and identifier of a behavior. The kind, which comes last, may be missing.
 fn behavior<'a>(fields: &mut Fields<'a>) -> Result<(&'a [u8], bool, Option<u32>), Fault> {
     fields.time()?;
     let dive = fields.text()?;
@@ -262,7 +262,7 @@ fn ends<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
 fn element<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
     fields.time()?;
     let (number, identifier, index) = (count(fields)?, identifier(fields)?, fields.whole()?);
-    // Waypoint, start or end of a line, circle, or what a later version has.
+    // A waypoint, the start or end of a line, a circle, or a kind of a later version.
     fields.read("an element's kind", integer)?;
     Ok(Said::Element(Element {
         number,

@@ -1,4 +1,4 @@
-//! Requirements 001, 012, 014 and 021: what may be said with and without control.
+//! Requirements 001, 012, 014 and 021: what may be sent with and without control.
 
 use backseat_oracle::{Activity, ControlHook};
 
@@ -21,7 +21,7 @@ fn requirement_001_no_dynamic_request_before_control() {
 }
 
 #[test]
-fn requirement_001_words_that_are_on_their_way_are_not_held_against_us() {
+fn requirement_001_a_message_that_is_on_its_way_does_not_count_yet() {
     // 200 ms of delay and 50 ms more.
     let lost = Scenario::with_control().vehicle(5000, "BFCTL,{t},0");
     lost.clone().ours(5240, TRACKLINE).finds_nothing();
@@ -32,7 +32,7 @@ fn requirement_001_words_that_are_on_their_way_are_not_held_against_us() {
 }
 
 #[test]
-fn requirement_001_a_new_connection_knows_nothing() {
+fn requirement_001_on_a_new_connection_control_is_unknown() {
     Scenario::with_control()
         .link(5000, false)
         .link(6000, true)
@@ -53,7 +53,7 @@ fn requirement_001_a_new_connection_knows_nothing() {
 }
 
 #[test]
-fn requirement_014_after_control_only_harmless_sentences() {
+fn requirement_014_without_control_only_harmless_sentences_may_leave() {
     let lost = || Scenario::with_control().lease(3000, 5000).vehicle(5000, "BFCTL,{t},0");
     let quiet = lost()
         .ours(5250, END)
@@ -67,7 +67,7 @@ fn requirement_014_after_control_only_harmless_sentences() {
     quiet.clone().ours(7000, END).finds(&["end-surplus"]);
     quiet.ours(7000, "BPSIL,{t},1").finds(&["not-allowed-without-control"]);
     lost().activity(10_000, Activity::Plan).finds(&["end-missing"]);
-    // 100 ms after the words were there, and 50 ms more.
+    // 100 ms after the message has arrived, and 50 ms more.
     lost()
         .ours(5350, END)
         .activity(5400, Activity::Plan)
@@ -75,7 +75,7 @@ fn requirement_014_after_control_only_harmless_sentences() {
 }
 
 #[test]
-fn requirement_014_only_inserts_of_our_own_are_taken_back() {
+fn requirement_014_only_our_own_inserts_may_be_cancelled() {
     let lost = Scenario::with_control()
         .ours(2000, TRACKLINE)
         .vehicle(5000, "BFCTL,{t},0");
@@ -84,7 +84,7 @@ fn requirement_014_only_inserts_of_our_own_are_taken_back() {
 }
 
 #[test]
-fn requirement_014_a_lease_that_opens_as_control_goes_ends_too() {
+fn requirement_014_a_lease_that_begins_as_control_is_lost_must_end_too() {
     let late = || Scenario::with_control().vehicle(5000, "BFCTL,{t},0").ours(5100, MODIFY);
     late().ours(5250, END).finds_nothing();
     late().finds(&["end-missing"]);
@@ -100,7 +100,7 @@ fn requirement_014_a_lost_link_needs_no_end() {
 }
 
 #[test]
-fn requirement_012_aborts_and_wide_cancels_are_the_operators() {
+fn requirement_012_only_the_operator_may_abort_or_cancel_widely() {
     for body in [
         "BPABT,{t},why,1",
         "BPKIL,{t},why",
@@ -115,7 +115,7 @@ fn requirement_012_aborts_and_wide_cancels_are_the_operators() {
 }
 
 #[test]
-fn requirement_021_the_vehicles_position_is_not_ours_to_move() {
+fn requirement_021_we_must_not_move_the_vehicles_position() {
     for body in [
         "BPNPU,{t},4200.3,N,07000.9,W,5,10,0,{t}",
         "BPRNS,{t},1,2,3",
@@ -127,7 +127,7 @@ fn requirement_021_the_vehicles_position_is_not_ours_to_move() {
 }
 
 #[test]
-fn other_hooks_hand_over_too() {
+fn other_control_hooks_give_control_too() {
     Scenario::without_control()
         .limits(|limits| limits.control = ControlHook::MissionRunning)
         .vehicle(100, "BFMIS,{t},a.dive,Running,")

@@ -1,5 +1,5 @@
-//! What faults of the link do to the judgement: what they hide from the runtime is not held against it, and what it
-//! should have seen still is.
+//! How faults of the link change the judgement: the runtime is not blamed for what they hide from it, but it is blamed
+//! for what it should have seen.
 
 use backseat_oracle::Activity;
 
@@ -7,14 +7,14 @@ use crate::scenario::{END, MODIFY, Scenario, sentence};
 
 const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,0";
 
-/// The word that takes control away.
+/// The message that takes control away.
 fn taken() -> Vec<u8> {
     sentence("BFCTL,000004.000,0").into_bytes()
 }
 
 #[test]
-fn a_stall_lets_the_words_go_at_its_end() {
-    // Said at 5 s, let go at 8 s with all that waited.
+fn a_stall_delivers_the_messages_at_its_end() {
+    // The vehicle has sent this by 5 s. It arrives at 8 s with everything that waited.
     let run = Scenario::with_control()
         .vehicle_bytes(8000, &sentence("BFMBS,000005.000,a.dive,3,,trackline").into_bytes())
         .vehicle_bytes(8000, &taken());
@@ -24,7 +24,7 @@ fn a_stall_lets_the_words_go_at_its_end() {
 
 #[test]
 fn a_delay_makes_navigation_old() {
-    // 1.3 s are allowed on this link, and then there are 100 ms to end the lease.
+    // This link allows an age of 1.3 s, and then there are 100 ms to end the lease.
     let delayed = |delay_ms: u64| {
         Scenario::with_control()
             .lease(3000, 6000)
@@ -51,7 +51,7 @@ fn a_half_open_link_lets_navigation_grow_old() {
 }
 
 #[test]
-fn a_dropped_word_was_not_said_and_the_next_one_counts() {
+fn a_dropped_message_does_not_count_and_the_next_one_does() {
     let run = Scenario::with_control();
     run.clone().ours(5000, TRACKLINE).finds_nothing();
     run.vehicle(4000, "BFMIS,{t},a.dive,Aborting,leak")
@@ -60,7 +60,7 @@ fn a_dropped_word_was_not_said_and_the_next_one_counts() {
 }
 
 #[test]
-fn a_corrupt_word_was_not_said() {
+fn a_corrupt_message_does_not_count() {
     let mut corrupt = taken();
     corrupt[10] ^= 4;
     let run = Scenario::with_control().vehicle_bytes(4000, &corrupt);
@@ -68,7 +68,7 @@ fn a_corrupt_word_was_not_said() {
     run.vehicle_bytes(4500, &taken())
         .ours(5000, TRACKLINE)
         .finds(&["no-control"]);
-    // The end of one line is damaged, and the word behind it is not.
+    // The end of one line is damaged, but the message behind it is not.
     let joined = [b"$BFVER,000004.000,1.12*4F\r\x0b".as_slice(), &taken()].concat();
     Scenario::with_control()
         .vehicle_bytes(4000, &joined)
@@ -77,7 +77,7 @@ fn a_corrupt_word_was_not_said() {
 }
 
 #[test]
-fn a_word_that_comes_twice_is_one() {
+fn a_repeated_message_counts_once() {
     let run = Scenario::with_control()
         .vehicle(3000, "BFCTL,{t},1")
         .limits(|limits| limits.inserts_open_max = 1)
@@ -91,7 +91,7 @@ fn a_word_that_comes_twice_is_one() {
 }
 
 #[test]
-fn a_word_in_pieces_is_said_with_the_last_of_them() {
+fn a_message_in_pieces_counts_from_the_last_of_them() {
     let word = taken();
     let mut run = Scenario::with_control();
     for (index, byte) in word.iter().enumerate() {
@@ -113,8 +113,8 @@ fn a_word_in_pieces_is_said_with_the_last_of_them() {
 }
 
 #[test]
-fn what_never_arrives_has_no_effect() {
-    // From 5 s on nothing of ours comes through; the vehicle should have forgotten the modify at 10.1 s.
+fn sentences_that_never_arrive_have_no_effect() {
+    // From 5 s on nothing of ours arrives; the vehicle should have forgotten the modify at 10.1 s.
     let lost = |until: u64| {
         Scenario::with_control()
             .lease(3000, 9000)
@@ -129,7 +129,7 @@ fn what_never_arrives_has_no_effect() {
 }
 
 #[test]
-fn what_a_stopped_runtime_was_told_it_hears_when_it_goes_on() {
+fn a_stopped_runtime_receives_messages_when_it_goes_on() {
     let run = Scenario::with_control()
         .stopped(3000)
         .vehicle_bytes(4000, &taken())

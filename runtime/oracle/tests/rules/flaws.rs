@@ -1,4 +1,4 @@
-//! Requirements 023 and 024: nothing that steers leaves by navigation, or a clock, that has just shown to be wrong.
+//! Requirements 023 and 024: nothing that steers leaves on navigation, or on a clock, that has just proved to be wrong.
 
 use crate::scenario::{END, MODIFY, Outcome, Scenario, stamp};
 
@@ -12,7 +12,7 @@ fn rules(outcome: &Outcome) -> Vec<&str> {
     outcome.violations.iter().map(|violation| violation.rule).collect()
 }
 
-/// What a lease from 3 s to 18 s breaks while the place that is told creeps from 4 s on.
+/// What the oracle finds for a lease from 3 s to 18 s while the reported position creeps from 4 s on.
 fn under_a_creep(mps: f64) -> Outcome {
     let run = Scenario::with_control().creeps(4000, 18_000, mps).lease(3000, 18_000);
     run.ours(18_500, END)
@@ -21,7 +21,7 @@ fn under_a_creep(mps: f64) -> Outcome {
 }
 
 #[test]
-fn requirement_024_a_creep_that_steers_on_is_named_and_one_within_the_limits_is_not() {
+fn requirement_024_a_lease_on_a_creeping_position_is_found_unless_the_creep_is_within_the_limits() {
     // 10 m and 0.3 m/s in 9.5 s are 12.9 m.
     for mps in [0.1, 0.3, 1.0, 1.3] {
         assert_eq!(rules(&under_a_creep(mps)), Vec::<&str>::new(), "{mps} m/s");
@@ -32,7 +32,7 @@ fn requirement_024_a_creep_that_steers_on_is_named_and_one_within_the_limits_is_
         assert!(!found.is_empty(), "{mps} m/s");
         assert!(found.iter().all(|rule| *rule == "navigation-untrue"), "{found:?}");
     }
-    // It is named for what any sample of it would be: 8 m/s for 1.5 s are 12 m.
+    // The violation is dated by the first sample that shows it: 8 m/s for 1.5 s are 12 m.
     assert!(under_a_creep(8.0).violations[0].at_ns <= 6_000_000_000);
     let tight = |mps| {
         let run = Scenario::with_control().limits(|limits| limits.position_step_m = 5.0);
@@ -43,28 +43,28 @@ fn requirement_024_a_creep_that_steers_on_is_named_and_one_within_the_limits_is_
 }
 
 #[test]
-fn requirement_024_what_place_and_velocity_have_wrong_alike_nobody_sees() {
+fn requirement_024_an_error_that_position_and_velocity_share_cannot_be_seen() {
     let run = Scenario::with_control().creeps(0, 20_000, 1.5).goes_north(1.5);
     modified(run, 14_000).finds_nothing();
-    // The vehicle stands, and so does the place, and the velocity is wrong: no error of the place.
+    // The vehicle and the position stand still, and only the velocity is wrong: that is no error of the position.
     modified(Scenario::with_control().goes_north(3.0), 14_000).finds_nothing();
 }
 
 #[test]
-fn requirement_024_a_creep_that_is_over_is_forgotten_when_the_window_is() {
-    // 24 m from 4 s to 7 s. At 6.8 s a lease is wrong, and at 12 s.
+fn requirement_024_a_creep_that_is_over_is_forgotten_with_its_window() {
+    // The position creeps 24 m from 4 s to 7 s. A lease at 6.8 s is wrong, and so is one at 12 s.
     let crept = |ms| modified(Scenario::with_control().creeps(4000, 7000, 8.0), ms);
     crept(6800).finds(&["navigation-untrue"]);
     crept(12_000).finds(&["navigation-untrue"]);
     crept(16_900).finds_nothing();
-    // What was said just now may not have been heard.
+    // The runtime may not have received yet what the vehicle has just sent.
     crept(5700).finds_nothing();
     let insert = Scenario::with_control().creeps(4000, 7000, 8.0).ours(8000, TRACKLINE);
     insert.finds(&["navigation-untrue"]);
 }
 
 #[test]
-fn requirement_024_another_connection_or_process_begins_another_window() {
+fn requirement_024_a_new_connection_or_process_begins_a_new_window() {
     let lost = Scenario::with_control()
         .creeps(4000, 5500, 9.0)
         .reconnects(5600, 5700)
@@ -86,33 +86,33 @@ fn requirement_024_another_connection_or_process_begins_another_window() {
 #[test]
 fn requirement_024_navigation_without_velocities_steers_nothing_for_ten_seconds() {
     let without = |until, ms| modified(Scenario::with_control().without_velocities(4000..until), ms);
-    // The first without is of 4 s, and 1.7 s later it is too long for sure.
+    // The first sample without velocities is that of 4 s, and 1.7 s later the gap is certainly too long.
     without(5700, 6500).finds_nothing();
     without(5900, 6500).finds(&["velocity-missing"]);
     without(5900, 15_600).finds(&["velocity-missing"]);
     without(5900, 15_800).finds_nothing();
     let patient = Scenario::with_control().limits(|limits| limits.velocity_gap_s = 3.0);
     modified(patient.without_velocities(4000..6900), 7500).finds_nothing();
-    // None at all, and an insert.
+    // No velocities at all, and an insert.
     let never = Scenario::with_control().without_velocities(0..20_000);
     never.ours(8000, TRACKLINE).finds(&["velocity-missing"]);
 }
 
 #[test]
-fn requirement_023_a_clock_that_was_set_steers_nothing_for_ten_seconds() {
+fn requirement_023_after_a_clock_was_set_nothing_steers_for_ten_seconds() {
     let set = |by_ms, ms| modified(Scenario::with_control().clock_set(5000, by_ms), ms);
     for by_ms in [600, 3000] {
-        // The beat of 5.055 s tells it.
+        // The beat of 5.055 s shows it.
         set(by_ms, 5200).finds_nothing();
         set(by_ms, 6500).finds(&["clock-set"]);
         set(by_ms, 14_900).finds(&["clock-set"]);
         set(by_ms, 15_000).finds_nothing();
     }
     set(300, 6500).finds_nothing();
-    // Backwards, where navigation is none before its time has passed the one before.
+    // Backwards: navigation does not count until its time has passed that of the sample before.
     set(-600, 8000).finds(&["clock-set"]);
     set(-600, 15_000).finds_nothing();
-    // Of another process nobody knows what time it had before.
+    // A new process does not know what time the vehicle had before.
     let killed = Scenario::with_control().clock_set(5000, 3000).started(6000);
     let killed = killed.vehicle(6100, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,");
     modified(killed, 7500).finds_nothing();
@@ -128,16 +128,16 @@ fn answers_only_subscriptions(by_ms: u64) -> Scenario {
     })
 }
 
-/// An answer to a command of its name and time, with the time of a clock that was set at 5 s.
+/// An answer to this command, with the time of a clock that was set at 5 s.
 fn answer(command: &str, ms: u64, by_ms: u64) -> String {
     let made = stamp(if ms < 5000 { ms } else { ms + by_ms });
     format!("BFACK,{made},{command},0,2,0,ok")
 }
 
 #[test]
-fn requirement_023_answers_to_subscriptions_tell_of_the_clock_too() {
+fn requirement_023_answers_to_subscriptions_also_show_that_a_clock_was_set() {
     let set = |ms| modified(answers_only_subscriptions(3000), ms);
-    // The beat of 5.26 s tells it.
+    // The beat of 5.26 s shows it.
     set(5400).finds_nothing();
     set(6500).finds(&["clock-set"]);
     set(15_100).finds(&["clock-set"]);
@@ -145,15 +145,15 @@ fn requirement_023_answers_to_subscriptions_tell_of_the_clock_too() {
 }
 
 #[test]
-fn requirement_023_what_the_runtime_has_seen_in_other_answers_is_no_news_in_a_later_one() {
+fn requirement_023_a_set_clock_that_the_runtime_has_seen_before_does_not_count_again() {
     let precise = |run: Scenario, ms: u64| {
         run.ours(ms, "BPSTS,{t},1,well")
             .vehicle(ms + 5, &answer(&format!("STS,{}", stamp(ms)), ms + 5, 3000))
     };
-    // The first answer with a time since the clock was set comes 10 s after those that have none.
+    // The first answer with a time, after the clock was set, comes 10 s after those that have none.
     let run = precise(answers_only_subscriptions(3000), 3000);
     modified(precise(run, 15_600), 17_000).finds_nothing();
-    // Echoes of fewer decimals tell the runtime, and are not measured by the oracle.
+    // Echoes with fewer decimals show it to the runtime, but the oracle does not measure them.
     let coarse = |run: Scenario, ms: u64| {
         let echo = stamp(ms);
         let echo = echo.split_at(echo.len() - 1).0;
@@ -180,7 +180,7 @@ fn requirement_023_an_answer_to_an_earlier_subscription_sets_no_clock() {
 }
 
 #[test]
-fn requirement_023_of_a_clock_that_was_set_when_the_link_was_lost_nobody_may_have_heard() {
+fn requirement_023_the_runtime_may_not_know_of_a_clock_that_was_set_as_the_link_was_lost() {
     let beat = |run: Scenario, (ms, by_ms)| {
         run.ours(ms, "BPSTS,{t},1,well")
             .vehicle(ms + 5, &answer(&format!("STS,{}", stamp(ms)), ms + 5, by_ms))
@@ -207,14 +207,14 @@ fn requirement_023_after_a_refusal_the_next_lease_waits() {
     modified(once(), 3500).finds(&["pause-ignored"]);
     modified(once(), 4000).finds(&["pause-ignored"]);
     modified(once(), 4100).finds_nothing();
-    // And longer each time.
+    // The pause is longer each time.
     let twice = || refused(once(), 4500);
     modified(twice(), 6500).finds(&["pause-ignored"]);
     modified(twice(), 6600).finds_nothing();
-    // A refusal that comes twice is one.
+    // A repeated refusal counts once.
     let again = format!("BFACK,{{t}},RMB,{},0,1,0,no", stamp(3000));
     modified(once().vehicle(3051, &again), 4100).finds_nothing();
-    // What is no modify's says nothing.
+    // A refusal of another request does not count.
     let insert = run()
         .ours(3000, TRACKLINE)
         .vehicle(3050, &format!("BFACK,{{t}},RTK,{},7,1,0,no", stamp(3000)));

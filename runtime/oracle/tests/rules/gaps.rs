@@ -1,23 +1,23 @@
-//! Where a run was not written down whole, nothing is claimed of what hangs on the part that is missing.
+//! If the record of a run has a gap, the oracle claims nothing that depends on the missing part.
 
 use crate::scenario::{END, MODIFY, Scenario};
 
 const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,0";
 
-/// Control was last told to be the vehicle's, and then records are missing from 4 to 5 s.
+/// The vehicle last said that it has control, and then records are missing from 4 to 5 s.
 fn denied() -> Scenario {
     Scenario::with_control().vehicle(3000, "BFCTL,{t},0").gap(4000, 5000)
 }
 
 #[test]
-fn whose_control_is_nobody_knows_until_the_vehicle_says_it_again() {
+fn after_a_gap_control_is_unknown_until_the_vehicle_says_it_again() {
     denied().ours(5500, MODIFY).ours(6000, END).finds_nothing();
     denied().ours(5500, TRACKLINE).finds_nothing();
     denied()
         .vehicle(6000, "BFCTL,{t},0")
         .ours(6300, TRACKLINE)
         .finds(&["no-control"]);
-    // Half of it is no more than unknown, and without the other half a no is a no.
+    // One half of control leaves the other unknown, but either half alone can deny control.
     denied()
         .vehicle(6000, "BFCTL,{t},1")
         .ours(6300, TRACKLINE)
@@ -35,7 +35,7 @@ fn whose_control_is_nobody_knows_until_the_vehicle_says_it_again() {
 }
 
 #[test]
-fn what_was_alive_may_have_ended_and_what_ends_may_have_lived() {
+fn a_lease_may_have_ended_or_begun_in_the_gap() {
     // A lease that is never ended: its end may be in the gap.
     Scenario::with_control()
         .ours(3000, MODIFY)
@@ -53,7 +53,7 @@ fn what_was_alive_may_have_ended_and_what_ends_may_have_lived() {
         .ours(5500, "BPCON,{t}")
         .ours(6000, "BPRES,{t}")
         .finds_nothing();
-    // What begins after it is judged as ever.
+    // A lease that begins after the gap is judged as always.
     Scenario::with_control()
         .gap(2000, 3000)
         .ours(4000, MODIFY)
@@ -72,10 +72,10 @@ fn an_operators_hold_may_have_been_released() {
 }
 
 #[test]
-fn what_was_written_down_on_both_sides_stays_a_fact() {
+fn what_was_recorded_on_both_sides_of_a_gap_still_counts() {
     let twice = || Scenario::with_control().ours(3000, TRACKLINE).gap(4000, 5000);
     twice().ours(6000, TRACKLINE).finds(&["identifier-repeated"]);
-    // What was sent unseen may be cancelled.
+    // An insert that was sent in the gap may be cancelled.
     twice().ours(6000, "BPRCN,{t},99").finds_nothing();
 }
 
@@ -103,7 +103,7 @@ fn silence_after_a_gap_is_judged_from_its_end() {
 }
 
 #[test]
-fn the_end_of_a_sentence_that_began_in_the_gap_is_no_sentence() {
+fn the_end_of_a_sentence_that_began_in_the_gap_is_ignored() {
     Scenario::with_control()
         .gap(4000, 5000)
         .bytes(5020, b"0,1.5,1,0*54\r\n")

@@ -1,4 +1,5 @@
-//! Requirements 023 and 025: nothing that steers leaves to a vehicle that does not hear us, or for another dive's plan.
+//! Requirements 023 and 025: nothing that steers leaves to a vehicle that does not hear us, or on the plan of another
+//! dive.
 
 use crate::scenario::{END, MODIFY, Scenario, stamp};
 
@@ -11,7 +12,7 @@ fn modified(run: Scenario, ms: u64) -> Scenario {
 }
 
 #[test]
-fn requirement_023_an_answer_speaks_for_three_seconds_from_when_its_command_left() {
+fn requirement_023_an_answer_counts_for_three_seconds_from_when_its_command_left() {
     // The last beat leaves at 3.055 s.
     let silent = || Scenario::with_control().without_answers().beats_until(4000);
     modified(silent(), 6054).finds_nothing();
@@ -21,14 +22,14 @@ fn requirement_023_an_answer_speaks_for_three_seconds_from_when_its_command_left
         .ours(6100, "BPSUS,{t}")
         .ours(6200, "BPRES,{t}")
         .finds(&["unheard"]);
-    // Whatever is answered shows that we are heard.
+    // An answer to any command shows that the vehicle hears us.
     let another = silent().ours(6000, "BPMSG,{t},well");
     let another = another.vehicle(6010, &format!("BFACK,{{t}},MSG,{},0,2,0,ok", stamp(6000)));
     modified(another, 6500).finds_nothing();
 }
 
 #[test]
-fn requirement_023_only_an_answer_in_the_missions_time_and_on_this_connection_counts() {
+fn requirement_023_only_an_answer_within_the_missions_time_and_on_this_connection_counts() {
     let slow = |ms| modified(Scenario::with_control().without_answers().beats_take(ms), 8000);
     slow(999).finds_nothing();
     slow(1001).finds(&["unheard"]);
@@ -58,7 +59,7 @@ fn requirement_023_subscriptions_are_answered_in_their_order() {
             .ours(5000, "BPLOG,ACK,ON")
             .vehicle(answered_ms, "BFACK,{t},LOG,000000.000,0,2,0,ok")
     };
-    // It answers the one that left at 0.3 s, in time or not.
+    // This answers the BPLOG that left at 0.3 s, in time or not.
     modified(logs(310), 3200).finds_nothing();
     modified(logs(5010), 5100).finds(&["unheard"]);
     let both = logs(5010).vehicle(5020, "BFACK,{t},LOG,000000.000,0,2,0,ok");
@@ -66,15 +67,15 @@ fn requirement_023_subscriptions_are_answered_in_their_order() {
 }
 
 #[test]
-fn requirement_023_what_nothing_takes_back_needs_an_answer_of_this_second() {
-    // The last beat is of 3.055 s, and so is its answer; 250 ms may pass until it is read.
+fn requirement_023_an_irrevocable_request_needs_an_answer_within_the_last_second() {
+    // The last beat is of 3.055 s, and so is its answer; 250 ms may pass until the runtime reads it.
     let silent = || Scenario::with_control().beats_until(4000);
     for body in [INTERRUPT, GPS_HIT] {
         silent().ours(4305, body).finds_nothing();
         silent().ours(4306, body).finds(&["unheard"]);
     }
     silent().ours(4306, TRACKLINE).finds_nothing();
-    // An answer of this second to what left long before it.
+    // This is an answer within the last second, to a command that left long before.
     let slow = |ms| {
         Scenario::with_control()
             .limits(|limits| limits.answered_within_s = 2.5)
@@ -87,7 +88,7 @@ fn requirement_023_what_nothing_takes_back_needs_an_answer_of_this_second() {
 }
 
 #[test]
-fn requirement_023_what_nothing_takes_back_waits_for_the_answer_to_what_left_before_it() {
+fn requirement_023_an_irrevocable_request_waits_for_the_answers_to_earlier_commands() {
     // The beat of 4.055 s has left, and its answer comes 300 ms later.
     let slow = |ms, body| Scenario::with_control().beats_take(300).ours(ms, body);
     for body in [INTERRUPT, GPS_HIT] {
@@ -96,15 +97,15 @@ fn requirement_023_what_nothing_takes_back_waits_for_the_answer_to_what_left_bef
         slow(4400, body).finds_nothing();
     }
     slow(4060, TRACKLINE).finds_nothing();
-    // A vehicle that does not answer BPSTS.
+    // This vehicle does not answer BPSTS.
     let other = Scenario::with_control().beats_take(60_000).ours(3900, "BPMSG,{t},well");
     let other = other.vehicle(3910, &format!("BFACK,{{t}},MSG,{},0,2,0,ok", stamp(3900)));
     other.ours(4100, INTERRUPT).finds_nothing();
 }
 
 #[test]
-fn requirement_023_what_a_stopped_runtime_reads_late_was_not_answered_in_time() {
-    // The beat of 3.055 s is answered at once, while nobody reads.
+fn requirement_023_an_answer_that_a_stopped_runtime_reads_late_does_not_count() {
+    // The beat of 3.055 s is answered at once, while the runtime reads nothing.
     let stopped = |until| {
         Scenario::with_control()
             .without_answers()
@@ -118,7 +119,7 @@ fn requirement_023_what_a_stopped_runtime_reads_late_was_not_answered_in_time() 
 }
 
 #[test]
-fn an_echo_with_two_decimals_is_as_good_as_one_with_three() {
+fn an_echo_with_two_decimals_counts_like_one_with_three() {
     let cut = |ms: u64| stamp(ms)[..9].to_owned();
     // 6.004 s is echoed as 6.00 s, and 6.006 s rounded as 6.01 s.
     for (made, echoed) in [(6004, cut(6004)), (6006, cut(6010))] {
@@ -127,7 +128,7 @@ fn an_echo_with_two_decimals_is_as_good_as_one_with_three() {
         let run = run.vehicle(6020, &format!("BFACK,{{t}},MSG,{echoed},0,2,0,ok"));
         modified(run, 6100).finds_nothing();
     }
-    // A modify that is refused in these words is.
+    // A refusal with such an echo counts.
     let refused = |decimals: usize| {
         let run = Scenario::with_control().without_answers().ours(3456, MODIFY);
         let echo = &stamp(3456)[..decimals];
@@ -147,7 +148,8 @@ fn requirement_025_another_dive_needs_another_plan() {
     for same in ["a.dive", " a.dive ", "", " "] {
         modified(named(same), 5000).finds_nothing();
     }
-    // BFMBS names it too, each in its own way; once one of them has, the other may follow in its way.
+    // BFMBS names the dive too, in a way of its own. Once one of the two messages has named another dive, the other one
+    // may follow in its own way.
     let begins = |dive: &str| format!("BFMBS,{{t}},{dive},2,,trackline");
     let flown = |dives: [&str; 2]| {
         let run = Scenario::with_control().vehicle(3000, &begins(dives[0]));

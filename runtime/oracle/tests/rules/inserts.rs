@@ -1,10 +1,10 @@
-//! Requirements 002, 009, 010 and 019: what inserts may be.
+//! Requirements 002, 009, 010 and 019: which inserts are allowed.
 
 use backseat_oracle::Activity;
 
 use crate::scenario::{MODIFY, Scenario};
 
-/// A line of 1.65 km less 2 times the distance from the east and west edges, at a latitude of 42 N and some minutes.
+/// A trackline at 42 degrees N and these minutes, from `west` to `east`, which are minutes west of 70 degrees W.
 fn trackline(identifier: u32, minutes: f64, west: f64, east: f64, rest: &str) -> String {
     format!("BPRTK,{{t}},{identifier},42{minutes:09.6},N,070{west:09.6},W,42{minutes:09.6},N,070{east:09.6},W,{rest}")
 }
@@ -26,7 +26,7 @@ fn circle(radius: f64, minutes: f64, rest: &str) -> String {
 }
 
 #[test]
-fn an_insert_inside_the_fence_finds_nothing() {
+fn an_insert_inside_the_fence_is_no_violation() {
     let outcome = Scenario::with_control()
         .ours(2000, &good(7))
         .vehicle(2100, &ack(7, 3))
@@ -50,12 +50,12 @@ fn an_insert_inside_the_fence_finds_nothing() {
 
 #[test]
 fn requirement_002_a_line_keeps_its_margin_to_the_edge() {
-    // A minute of longitude is 1379.9 m here: 0.0145 of it 20.01 m.
+    // A minute of longitude is 1379.9 m here, so 0.0145 minutes are 20.01 m.
     let line = |west| Scenario::with_control().ours(2000, &trackline(7, 0.3, west, 0.8, "0,10,1.5,0,0"));
     line(1.2 - 0.0146).finds_nothing();
     line(1.2 - 0.0143).finds(&["request-fence"]);
     line(1.25).finds(&["request-fence"]);
-    // Over the sea between two corners of nothing.
+    // This line is entirely outside the fence.
     Scenario::with_control()
         .ours(2000, &trackline(7, 3.0, 1.3, 1.4, "0,10,1.5,0,0"))
         .finds(&["request-fence"]);
@@ -68,7 +68,7 @@ fn requirement_002_a_line_keeps_clear_of_keep_out_zones() {
     line(0.66).finds(&["request-fence"]);
     line(0.6 - 0.0161).finds(&["request-fence"]);
     line(0.6 - 0.0163).finds_nothing();
-    // Altogether inside it.
+    // This line is entirely inside the mooring.
     Scenario::with_control()
         .ours(2000, &trackline(7, 0.66, 0.66, 0.659, "0,10,1.5,0,0"))
         .finds(&["request-fence"]);
@@ -88,12 +88,12 @@ fn requirement_002_a_circle_keeps_its_whole_rim_inside() {
     circle(394.5).finds(&["request-fence"]);
     circle(500.0).finds(&["request-fence"]);
     circle(90_000.0).finds(&["request-fence"]);
-    // A rim around everything is inside nothing.
+    // A rim around the whole zone is not inside it.
     circle(9_000.0).finds(&["request-fence"]);
 }
 
 #[test]
-fn requirement_002_setpoints_keep_to_the_bands() {
+fn requirement_002_setpoints_keep_to_the_limits_of_depth_altitude_and_speed() {
     let line = |rest| Scenario::with_control().ours(2000, &trackline(7, 0.3, 0.9, 0.8, rest));
     line("0,40,1.5,0,0").finds_nothing();
     line("0,40.1,1.5,0,0").finds(&["request-vertical"]);
@@ -123,7 +123,7 @@ fn requirement_002_nothing_is_inserted_into_an_unknown_plan() {
 }
 
 #[test]
-fn requirement_002_nothing_is_inserted_where_nobody_heard_what_is_flown() {
+fn requirement_002_nothing_is_inserted_before_the_current_behavior_is_known() {
     let again = || {
         Scenario::with_control()
             .link(3000, false)
@@ -133,7 +133,7 @@ fn requirement_002_nothing_is_inserted_where_nobody_heard_what_is_flown() {
             .vehicle(4200, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,")
     };
     again().ours(5000, &good(8)).finds(&["begin-unheard"]);
-    // An adjustment comes beside what is flown, and says nothing of it.
+    // An adjustment runs beside the current behavior, and says nothing about it.
     let beside = again().vehicle(4300, "BFMBS,{t},,,,trim");
     beside.ours(5000, &good(8)).finds(&["begin-unheard"]);
     for begun in ["2,,trackline", ",6,trackline"] {
@@ -161,7 +161,7 @@ fn requirement_009_identifiers_never_repeat_even_after_a_reconnect() {
 }
 
 #[test]
-fn requirement_009_nothing_is_asked_for_while_another_is_in_doubt() {
+fn requirement_009_no_insert_is_sent_while_another_is_in_doubt() {
     let lost = || Scenario::with_control().ours(2000, &good(7)).reconnects(3000, 4000);
     lost().ours(6000, &good(8)).finds(&["insert-in-doubt"]);
     for words in [
@@ -172,7 +172,7 @@ fn requirement_009_nothing_is_asked_for_while_another_is_in_doubt() {
     ] {
         lost().vehicle(5000, words).ours(6000, &good(8)).finds_nothing();
     }
-    // A whole plan without it settles it too, where it was asked for after.
+    // A whole plan without the insert settles it too, if the plan was requested after it.
     let told = lost()
         .ours(5000, "BPRMP,{t}")
         .vehicle(5100, "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,");
@@ -180,7 +180,7 @@ fn requirement_009_nothing_is_asked_for_while_another_is_in_doubt() {
     told.vehicle(5200, "BFACK,{t},RMP,000004.000,,2,0,text")
         .ours(6000, &good(8))
         .finds_nothing();
-    // A new process cannot know of it, but neither may it use the identifier.
+    // A new process cannot know of the insert, but it may not use the identifier either.
     lost().started(3500).ours(6000, &good(8)).finds_nothing();
     lost()
         .started(3500)
@@ -189,7 +189,7 @@ fn requirement_009_nothing_is_asked_for_while_another_is_in_doubt() {
 }
 
 #[test]
-fn requirement_019_the_number_is_counted_through_all_processes() {
+fn requirement_019_the_number_of_inserts_counts_across_all_processes() {
     Scenario::with_control()
         .limits(|limits| limits.inserts_total_max = 1)
         .ours(2000, &good(7))
@@ -197,7 +197,7 @@ fn requirement_019_the_number_is_counted_through_all_processes() {
         .reconnects(3000, 4000)
         .ours(6000, &good(8))
         .finds(&["inserts-total"]);
-    // What the plan says that the old one left counts as open.
+    // An insert of the old process that the plan names counts as open.
     inherited()
         .vehicle(5000, "BFPLN,{t},,7,0,1,4200.300,N,07000.900,W,,,")
         .ours(6000, &good(8))
@@ -215,7 +215,8 @@ fn inherited() -> Scenario {
         .reconnects(3000, 4000)
 }
 
-/// Inherited by a second process, and asked for in its plan twice before that was told once: then the first plan has it.
+/// A second process has inherited the insert, and asks for the plan twice before the first answer. The first plan has
+/// the insert.
 fn inherited_and_asked_twice() -> Scenario {
     inherited()
         .ours(5000, "BPRMP,{t}")
@@ -225,16 +226,16 @@ fn inherited_and_asked_twice() -> Scenario {
 }
 
 #[test]
-fn requirement_019_each_plan_that_is_told_says_what_waits() {
+fn requirement_019_each_received_plan_says_which_inserts_wait() {
     let again = |run: Scenario| run.ours(6000, &good(8)).vehicle(6100, &ack(8, 2));
     again(inherited_and_asked_twice()).finds(&["inserts-open"]);
-    // The vehicle has dropped it meanwhile: the second plan is without it.
+    // The vehicle has dropped the insert meanwhile: the second plan does not have it.
     let whole = |answer: &str| {
         let second = inherited_and_asked_twice().vehicle(5300, "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,");
         again(second.vehicle(5400, answer))
     };
     whole("BFACK,{t},RMP,000004.010,,2,0,text").finds_nothing();
-    // Where the end of the first is not heard, the second begins where its first element comes again.
+    // If the end of the first plan is not heard, the second begins when its first element comes again.
     let unanswered = |first: &str| {
         let elements = "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,";
         let told = inherited()
@@ -248,7 +249,7 @@ fn requirement_019_each_plan_that_is_told_says_what_waits() {
     };
     unanswered("BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,").finds_nothing();
     unanswered("BFPLN,{t},1,,1,1,4200.300,N,07000.900,W,,,").finds(&["inserts-open"]);
-    // Not where it was not told to its end, or it is the first one's answer once more.
+    // The second plan does not count if it was not sent to its end, or if its answer is the first one's again.
     whole("BFACK,{t},RMP,000004.010,,1,0,text").finds(&["inserts-open"]);
     whole("BFACK,{t},RMP,000004.000,,2,0,text").finds(&["inserts-open"]);
 }
@@ -263,7 +264,7 @@ fn requirement_009_timestamps_never_repeat_under_one_name() {
         .ours(2000, "BPMSG,{t},one")
         .ours(2000, "BPMSG,{t},two")
         .finds(&["stamp-repeated"]);
-    // The 0.1 ms that the wire does not carry are no difference.
+    // A difference of 0.1 ms does not count, because the wire does not carry it.
     Scenario::with_control()
         .ours(2000, "BPMSG,000100.0001,one")
         .ours(3000, "BPMSG,000100.0002,two")
@@ -271,7 +272,7 @@ fn requirement_009_timestamps_never_repeat_under_one_name() {
 }
 
 #[test]
-fn requirement_010_an_interrupt_is_not_interrupted() {
+fn requirement_010_an_interrupting_insert_is_not_interrupted() {
     let run = Scenario::with_control()
         .ours(2000, &interrupting(7))
         .vehicle(2200, &ack(7, 2));
@@ -300,7 +301,7 @@ fn requirement_010_an_interrupt_is_not_interrupted() {
         .vehicle(4000, "BFMBS,{t},,,,trim")
         .ours(5000, &interrupting(8))
         .finds(&["interrupt-of-interrupt"]);
-    // The end met a dead link; the truth tells it.
+    // The end was lost with the link, but the truth shows it.
     let ends_unheard = |flown: Scenario, cut_ms| {
         flown
             .link(cut_ms, false)
@@ -313,7 +314,7 @@ fn requirement_010_an_interrupt_is_not_interrupted() {
             .finds_nothing();
     };
     ends_unheard(run.clone().activity(2500, Activity::Insert(7)), 3000);
-    // It was modified from its begin on.
+    // The insert was modified from its begin on.
     let modified = run
         .vehicle(2400, "BFMBS,{t},,,7,trackline")
         .ours(2400, MODIFY)
@@ -349,7 +350,7 @@ fn requirement_019_the_open_inserts_are_capped() {
         .ours(3000, "BPRCN,{t},7")
         .vehicle(3100, "BFACK,{t},RCN,000002.000,0,2,0,cancelled");
     assert_eq!(second(cancelled).finds_nothing().statistics.inserts_cancelled, 1);
-    // A refused cancel leaves it open.
+    // A refused cancel leaves the insert open.
     let kept = both()
         .ours(3000, "BPRCN,{t},7")
         .vehicle(3100, "BFACK,{t},RCN,000002.000,0,1,0,it runs");
@@ -361,7 +362,7 @@ fn requirement_019_the_open_inserts_are_capped() {
 }
 
 #[test]
-fn requirement_010_what_the_vehicle_could_not_read_is_not_done() {
+fn requirement_010_an_insert_that_the_vehicle_could_not_read_is_not_flown() {
     let after = |answer: &str| {
         Scenario::with_control()
             .ours(2000, &interrupting(7))
@@ -369,13 +370,14 @@ fn requirement_010_what_the_vehicle_could_not_read_is_not_done() {
             .ours(3000, &interrupting(8))
     };
     after("RTK,000000.000,0,0").finds_nothing();
-    // Not even its name.
+    // The vehicle could not even read the name.
     after("NAK,000000.000,0,0").finds_nothing();
-    // Another command, an answer that says whose it is, and a refusal of what was read.
+    // An answer to another command, an answer that names the time of its command, and a refusal of a sentence that was
+    // read.
     after("RTC,000000.000,0,0").finds(&["interrupt-of-interrupt"]);
     after("RTK,000005.000,0,0").finds(&["interrupt-of-interrupt"]);
     after("RTK,000000.000,0,1").finds(&["interrupt-of-interrupt"]);
-    // It was another that could not be read.
+    // The sentence that could not be read was another one.
     let taken = Scenario::with_control()
         .ours(2000, &interrupting(7))
         .vehicle(2100, "BFACK,{t},RTK,000000.000,0,0,0,text")
@@ -385,7 +387,7 @@ fn requirement_010_what_the_vehicle_could_not_read_is_not_done() {
 }
 
 #[test]
-fn requirement_019_what_the_plan_holds_counts_without_its_acknowledgement() {
+fn requirement_019_an_insert_in_the_plan_counts_without_its_acknowledgement() {
     let run = Scenario::with_control()
         .limits(|limits| limits.inserts_open_max = 1)
         .ours(2000, &good(7))
@@ -396,7 +398,7 @@ fn requirement_019_what_the_plan_holds_counts_without_its_acknowledgement() {
 }
 
 #[test]
-fn requirement_019_the_time_of_open_inserts_is_capped() {
+fn requirement_019_the_duration_of_open_inserts_is_capped() {
     // 138 m at 1.5 m/s are 92 s.
     let run = |cap: f64| {
         Scenario::with_control()

@@ -1,4 +1,4 @@
-//! Requirements 003, 007 and 008: how modifies live and die.
+//! Requirements 003, 007 and 008: how modifies begin, go on and end.
 
 use backseat_oracle::Activity;
 
@@ -11,7 +11,7 @@ fn lease() -> Scenario {
 }
 
 #[test]
-fn requirement_003_a_lease_that_is_kept_and_ended_finds_nothing() {
+fn requirement_003_a_lease_that_is_refreshed_and_ended_is_no_violation() {
     let outcome = lease().ours(6500, END).finds_nothing();
     let statistics = outcome.statistics;
     assert_eq!(
@@ -34,7 +34,7 @@ fn requirement_003_no_gap_over_two_and_a_half_seconds() {
 }
 
 #[test]
-fn requirement_003_a_lease_does_not_just_stop() {
+fn requirement_003_a_lease_must_not_stop_without_an_end() {
     lease().finds(&["modify-gap", "modify-abandoned"]);
 }
 
@@ -42,7 +42,7 @@ fn requirement_003_a_lease_does_not_just_stop() {
 fn requirement_003_never_faster_than_five_hertz() {
     lease().ours(6196, MODIFY).ours(6500, END).finds_nothing();
     lease().ours(6190, MODIFY).ours(6500, END).finds(&["modify-too-fast"]);
-    // A new lease makes no exception.
+    // A new lease is no exception.
     lease()
         .ours(6050, END)
         .ours(6100, MODIFY)
@@ -51,8 +51,8 @@ fn requirement_003_never_faster_than_five_hertz() {
 }
 
 #[test]
-fn requirement_003_a_lease_that_nobody_answers_ends() {
-    // A second, the 100 ms of the end, and 800 ms for the ways and a busy vehicle.
+fn requirement_003_an_unanswered_lease_must_end() {
+    // A second, the 100 ms of the end, and 800 ms for the delays of the link and a busy vehicle.
     let silent = || {
         Scenario::with_control()
             .without_answers()
@@ -61,7 +61,7 @@ fn requirement_003_a_lease_that_nobody_answers_ends() {
     };
     silent().ours(4890, END).finds_nothing();
     silent().ours(4910, END).finds(&["modify-unanswered"]);
-    // An answer to a later one is an answer.
+    // An answer to a later modify counts.
     silent()
         .vehicle(4500, "BFACK,{t},RMB,000003.000,0,2,0,ok")
         .ours(5000, END)
@@ -73,7 +73,7 @@ fn requirement_003_a_lease_ends_when_it_is_refused() {
     let refused = || lease().vehicle(6000, "BFACK,{t},RMB,000004.000,0,1,0,no");
     refused().ours(6300, END).finds_nothing();
     refused().ours(6310, END).finds(&["lease-outlives"]);
-    // It is of a lease that was before.
+    // This refusal belongs to an earlier lease.
     Scenario::with_control()
         .ours(2000, MODIFY)
         .ours(2500, END)
@@ -90,7 +90,7 @@ fn requirement_003_a_lease_ends_with_the_behavior_that_it_modifies() {
         let next = || lease().vehicle(6000, words);
         next().ours(6300, END).finds_nothing();
         next().ours(6310, END).finds(&["lease-outlives"]);
-        // It may be asked for again at once.
+        // The lease may begin again at once.
         next()
             .ours(6200, END)
             .ours(6201, MODIFY)
@@ -111,7 +111,7 @@ fn requirement_003_a_standstill_ends_the_lease_before_anything_else() {
         .ours(8500, MODIFY)
         .ours(9000, END)
         .finds(&["lease-after-stop"]);
-    // A short one may pass unnoticed.
+    // A short standstill may pass unnoticed.
     lease()
         .stopped(6500)
         .continued(8000)
@@ -119,7 +119,7 @@ fn requirement_003_a_standstill_ends_the_lease_before_anything_else() {
         .ours(8100, END)
         .activity(8200, Activity::Plan)
         .finds_nothing();
-    // On another connection it is another lease.
+    // On a new connection it is a new lease.
     lease()
         .stopped(6500)
         .reconnects(7000, 8000)
@@ -132,7 +132,7 @@ fn requirement_003_a_standstill_ends_the_lease_before_anything_else() {
 }
 
 #[test]
-fn requirement_003_nothing_is_inherited() {
+fn requirement_003_a_modify_inherits_no_value() {
     for body in [
         "BPRMB,{t},,10,0,1.5,1,0",
         "BPRMB,{t},90,,0,1.5,1,0",
@@ -156,7 +156,7 @@ fn requirement_002_a_modify_keeps_to_the_limits() {
 }
 
 #[test]
-fn requirement_002_a_modify_does_not_certainly_lead_out() {
+fn requirement_002_a_modify_must_not_certainly_lead_out_of_the_fence() {
     // A minute of longitude is 1379.9 m here: at 1.5 m/s the vehicle goes 6.75 m in 4.5 s, 0.0049 of it.
     let near = |place| {
         Scenario::with_control()
@@ -166,14 +166,14 @@ fn requirement_002_a_modify_does_not_certainly_lead_out() {
     };
     near("4200.300,N,07000.0060,W").finds(&["modify-margin"]);
     near("4200.300,N,07000.0040,W").finds(&["modify-fence"]);
-    // Outside already.
+    // The vehicle is already outside.
     near("4159.900,N,07000.5000,W").finds(&["modify-fence"]);
-    // Into the mooring, 9 m before it and 5 m.
+    // The vehicle heads into the mooring, from 9 m before it and from 5 m.
     near("4200.660,N,07000.7265,W").finds(&["modify-margin"]);
     near("4200.660,N,07000.7236,W").finds(&["modify-fence"]);
     // The wreck is deeper.
     near("4200.180,N,07000.7236,W").finds_nothing();
-    // It turns away, which may take longer than there is: who knows. But it was in the margin before.
+    // The vehicle turns away, and nobody knows whether there is room for that. But it was in the margin before.
     Scenario::with_control()
         .believes(0, "4200.300,N,07000.0040,W")
         .ours(3000, "BPRMB,{t},270,10,0,1.5,1,0")
@@ -182,7 +182,7 @@ fn requirement_002_a_modify_does_not_certainly_lead_out() {
 }
 
 #[test]
-fn requirement_004_a_modify_keeps_the_margin_of_where_the_vehicle_believes_to_be() {
+fn requirement_004_a_modify_keeps_the_margin_at_the_believed_position() {
     let near = |place, body| {
         Scenario::with_control()
             .believes(0, place)
@@ -193,7 +193,7 @@ fn requirement_004_a_modify_keeps_the_margin_of_where_the_vehicle_believes_to_be
     // The margin of 20 m less 1 m, and 6.75 m of way: 26.9 m and 24.8 m from the eastern edge.
     near("4200.300,N,07000.0195,W", MODIFY).finds_nothing();
     near("4200.300,N,07000.0180,W", MODIFY).finds(&["modify-margin"]);
-    // Away from it only the place itself counts: 20.0 m and 18.6 m.
+    // Away from the edge only the place itself counts: 20.0 m and 18.6 m.
     near("4200.300,N,07000.0145,W", west).finds_nothing();
     near("4200.300,N,07000.0135,W", west).finds(&["modify-margin"]);
     // 37.0 m and 35.0 m before the mooring, whose margin is 30 m; and beside the wreck, which is deeper.
@@ -202,7 +202,7 @@ fn requirement_004_a_modify_keeps_the_margin_of_where_the_vehicle_believes_to_be
     near("4200.180,N,07000.7300,W", MODIFY).finds_nothing();
     near("4200.180,N,07000.7300,W", "BPRMB,{t},90,35,0,1.5,1,0").finds_nothing();
     near("4200.180,N,07000.7300,W", "BPRMB,{t},90,12,1,1.5,1,0").finds_nothing();
-    // The newest place may not have been heard, and the one before it may be old: both must be in the margin.
+    // The runtime may not have received the newest place, and the one before it may be old: both must be in the margin.
     let moved = |ms| {
         Scenario::with_control()
             .believes(0, "4200.300,N,07000.0135,W")
@@ -215,7 +215,7 @@ fn requirement_004_a_modify_keeps_the_margin_of_where_the_vehicle_believes_to_be
 }
 
 #[test]
-fn requirement_004_a_refresh_does_not_certainly_lead_out() {
+fn requirement_004_a_refresh_must_not_certainly_lead_out_of_the_fence() {
     Scenario::with_control()
         .believes(4500, "4200.300,N,07000.8990,W")
         .believes(4600, "4200.300,N,07000.8980,W")
@@ -225,7 +225,7 @@ fn requirement_004_a_refresh_does_not_certainly_lead_out() {
         .ours(5200, END)
         .finds_nothing();
     let comes_near = |ms, place| {
-        // A step of 29 m, which this mission lets pass for a correction.
+        // A step of 29 m, which this mission accepts as a correction.
         Scenario::with_control()
             .limits(|limits| limits.position_step_m = 40.0)
             .believes(0, "4200.300,N,07000.0250,W")
@@ -236,7 +236,7 @@ fn requirement_004_a_refresh_does_not_certainly_lead_out() {
     };
     comes_near(3500, "4200.300,N,07000.0040,W").finds(&["refresh-fence"]);
     comes_near(3500, "4200.300,N,07000.0060,W").finds(&["modify-margin"]);
-    // What was said just now may not have been heard.
+    // The runtime may not have received yet what the vehicle has just sent.
     comes_near(3800, "4200.300,N,07000.0040,W").finds_nothing();
 }
 
@@ -252,7 +252,7 @@ fn requirement_021_a_jump_ends_the_lease_until_navigation_has_been_steady() {
     later(6000).finds(&["jump-ignored"]);
     later(14_600).finds(&["jump-ignored"]);
     later(14_800).finds_nothing();
-    // 9 m could be a correction; 20 m are a jump to who holds place and velocity against each other.
+    // 9 m could be a correction; 20 m are a jump for an oracle that compares position and velocity.
     let steps = |place| {
         let steps = Scenario::with_control().believes(5000, place);
         steps.ours(6000, MODIFY).ours(6100, END)
@@ -262,7 +262,7 @@ fn requirement_021_a_jump_ends_the_lease_until_navigation_has_been_steady() {
 }
 
 #[test]
-fn requirement_021_whoever_takes_navigation_for_old_hears_of_no_jump_until_it_has_none() {
+fn requirement_021_a_runtime_that_takes_navigation_for_old_may_miss_a_jump_until_it_has_no_navigation() {
     // The vehicle's clock goes back by 3 s at 4.5 s.
     let leased = |end_ms| {
         Scenario::with_control()
@@ -277,8 +277,8 @@ fn requirement_021_whoever_takes_navigation_for_old_hears_of_no_jump_until_it_ha
 }
 
 #[test]
-fn requirement_021_one_that_is_old_and_elsewhere_and_alone_is_no_jump() {
-    // Damaged in both, and right by chance.
+fn requirement_021_a_single_sample_that_is_old_and_elsewhere_is_no_jump() {
+    // This sample is damaged in its time and its position, and its checksum is right by chance.
     let elsewhere = || {
         Scenario::with_control()
             .navigation_delay(5000, 5000)
@@ -289,14 +289,14 @@ fn requirement_021_one_that_is_old_and_elsewhere_and_alone_is_no_jump() {
     let back = "4200.300,N,07000.900,W";
     let alone = |place| elsewhere().navigation_delay(5100, 0).believes(5100, place);
     alone(back).finds_nothing();
-    // It was elsewhere before.
+    // The next sample is at the other place too.
     alone("4200.300,N,07000.960,W").finds(&["jump-ignored"]);
-    // Two are a clock that was set.
+    // Two such samples mean that a clock was set.
     elsewhere().believes(5200, back).finds(&["jump-ignored"]);
 }
 
 #[test]
-fn requirement_021_a_jump_is_seen_over_a_lost_link() {
+fn requirement_021_a_jump_during_a_link_loss_counts() {
     let lost = || {
         Scenario::with_control()
             .believes(5000, "4200.300,N,07000.990,W")
@@ -308,7 +308,7 @@ fn requirement_021_a_jump_is_seen_over_a_lost_link() {
 }
 
 #[test]
-fn requirement_021_who_tells_the_vehicle_that_it_is_elsewhere_does_not_steer() {
+fn requirement_021_a_lease_beside_a_sentence_that_moves_the_position_is_a_violation() {
     let reset = |body: &str, ms: u64| {
         Scenario::with_control()
             .limits(|limits| limits.operator_commands = true)
@@ -325,7 +325,7 @@ fn requirement_021_who_tells_the_vehicle_that_it_is_elsewhere_does_not_steer() {
 
 #[test]
 fn requirement_007_a_modify_lapses_by_the_vehicles_clock() {
-    // 5.1 s and 200 ms of delay after the last one.
+    // 5.1 s and 200 ms of delay after the last modify.
     let cut = Scenario::with_control().lease(3000, 6000).link(6100, false);
     cut.clone().activity(11_300, Activity::Plan).finds_nothing();
     cut.activity(11_500, Activity::Plan).finds(&["modify-outlives"]);
@@ -337,7 +337,7 @@ fn requirement_007_a_modify_lapses_by_the_vehicles_clock() {
 
 #[test]
 fn requirement_007_a_modify_lapses_after_it_was_received() {
-    // Held back for 1.5 s, and then the connection is gone.
+    // The link holds a modify back for 1.5 s, and then breaks.
     let late = |last_ms: u64| {
         let mut run = Scenario::with_control().ours(3000, MODIFY).ours(3100, END);
         run = run.arrives(3000, 3010, MODIFY).arrives(3100, 3110, END);
@@ -349,7 +349,7 @@ fn requirement_007_a_modify_lapses_after_it_was_received() {
     late(7500).activity(12_600, Activity::Plan).finds_nothing();
     late(7500).activity(12_900, Activity::Plan).finds(&["modify-outlives"]);
     late(6010).activity(11_300, Activity::Plan).finds(&["modify-outlives"]);
-    // One that was damaged on its way may still be taken.
+    // The vehicle may still accept a modify that was damaged on its way.
     let damaged = |body: &str| {
         Scenario::with_control()
             .lease(4000, 5000)
@@ -382,7 +382,7 @@ fn requirement_007_a_stopped_runtime_cannot_end_its_lease() {
     let stopped = || Scenario::with_control().lease(3000, 6000).stopped(6500);
     stopped().activity(11_200, Activity::Plan).finds_nothing();
     stopped().activity(11_500, Activity::Plan).finds(&["modify-outlives"]);
-    // Woken up late, it ends the lease first of all.
+    // A runtime that wakes late ends the lease first of all.
     stopped().ours(9000, END).activity(9100, Activity::Plan).finds_nothing();
 }
 
@@ -428,7 +428,7 @@ fn requirement_008_a_repeated_or_late_solution_is_not_fresh() {
 }
 
 #[test]
-fn requirement_008_a_connection_without_navigation_gives_no_lease() {
+fn requirement_008_a_connection_without_navigation_allows_no_lease() {
     Scenario::with_control()
         .navigation(0, false)
         .ours(5000, MODIFY)

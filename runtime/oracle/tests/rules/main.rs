@@ -1,4 +1,4 @@
-//! One run for each rule that breaks exactly it, and beside it the run that just keeps it.
+//! For each rule one run that breaks exactly this rule, and beside it a run that just keeps it.
 
 mod scenario;
 

@@ -41,7 +41,7 @@ fn requirement_015_a_lease_ends_within_100_ms() {
     let hovers = || Scenario::with_control().ours(3000, "BPSUS,{t}").operator(3500, true);
     hovers().ours(3600, "BPRES,{t}").finds_nothing();
     hovers().ours(3610, "BPRES,{t}").finds(&["operator-hold"]);
-    // A lease that begins just then ends with it.
+    // A lease that begins just then must end too.
     Scenario::with_control()
         .operator(3000, true)
         .ours(3050, MODIFY)
@@ -63,7 +63,7 @@ fn requirement_015_a_stopped_runtime_obeys_when_it_goes_on() {
 }
 
 #[test]
-fn requirement_015_a_hold_stands_after_a_restart() {
+fn requirement_015_a_hold_survives_a_restart() {
     Scenario::with_control()
         .operator(3000, true)
         .stopped(3500)
@@ -75,7 +75,7 @@ fn requirement_015_a_hold_stands_after_a_restart() {
 }
 
 #[test]
-fn requirement_015_inserts_that_wait_are_taken_back() {
+fn requirement_015_a_hold_cancels_the_waiting_inserts() {
     let waits = |body: &str| {
         Scenario::with_control()
             .ours(2000, body)
@@ -86,7 +86,7 @@ fn requirement_015_inserts_that_wait_are_taken_back() {
     waits(TRACKLINE).ours(3050, "BPRCN,{t},7").finds_nothing();
     waits(TRACKLINE).operator(3500, false).finds_nothing();
     waits(TRACKLINE).link(3500, false).finds_nothing();
-    // What has begun, or was not answered for, or cannot be taken back.
+    // Not an insert that has begun, nor one that was not answered, nor a GPS hit, which cannot be cancelled.
     waits(TRACKLINE)
         .vehicle(2500, "BFMBS,{t},,,7,trackline")
         .finds_nothing();

@@ -1,5 +1,5 @@
-//! The oracle's reader beside that of `backseat-spi`, which shares nothing with it: over every example of the catalogue,
-//! over drawn sentences, and where the two mean to differ.
+//! Compares the oracle's reader with that of `backseat-spi`, which shares nothing with it: on every example of the
+//! catalogue, on drawn sentences, and where the two differ on purpose.
 
 use backseat_oracle::Position;
 use backseat_oracle::wire::{
@@ -15,7 +15,7 @@ use proptest::prelude::*;
 
 use crate::scenario::sentence;
 
-/// To a tenth of a millimetre, so that the last bit of a conversion makes no difference.
+/// A position, rounded to a tenth of a millimetre, so that the last bit of a conversion makes no difference.
 fn place(latitude_deg: f64, longitude_deg: f64) -> Position {
     let round = |deg: f64| (deg * 1e9).round() / 1e9 + 0.0;
     Position {
@@ -36,8 +36,8 @@ fn nanos(time: backseat_units::TimeOfDay) -> u64 {
     time.as_nanos()
 }
 
-/// What `backseat-spi` reads in a sentence of ours, as the oracle says it. Nothing where it reads nothing, or a code that
-/// the specification does not have.
+/// What `backseat-spi` reads in a sentence of ours, in the oracle's types. `None` if it reads nothing, or a code that
+/// the specification does not define.
 fn spi_ours(line: &str) -> Option<(u64, Ours)> {
     let sentence = Sentence::parse(line.trim_end()).ok()?;
     if sentence.checksum() != ChecksumState::Valid {
@@ -63,7 +63,7 @@ fn spi_ours(line: &str) -> Option<(u64, Ours)> {
         Some(time) if sentence.name() != "BPLOG" => time_of(time)?,
         Some(_) | None => 0,
     };
-    #[expect(clippy::wildcard_enum_match_arm, reason = "what no rule looks into")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no rule uses the others")]
     let asks = match message {
         ToVehicle::TopsideText(_) => Ours::Topside,
         ToVehicle::DvlTriggerRequest(it) => Ours::DvlTrigger {
@@ -140,7 +140,7 @@ fn spi_ours(line: &str) -> Option<(u64, Ours)> {
     Some((created, asks))
 }
 
-/// By the specification's letters, for comparison alone.
+/// A time of day by the letter of the specification, only for comparison.
 fn time_of(field: &str) -> Option<u64> {
     let (clock, decimals) = field.split_once('.').unwrap_or((field, ""));
     let clock: u64 = clock.parse().ok()?;
@@ -152,7 +152,7 @@ fn time_of(field: &str) -> Option<u64> {
 /// What the oracle reads in a sentence of ours.
 fn oracle_ours(line: &str) -> Option<(u64, Ours)> {
     let Request { created, asks, .. } = read_ours(line.trim_end_matches('\n').as_bytes()).ok()?;
-    #[expect(clippy::wildcard_enum_match_arm, reason = "what has no place")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the others have no position")]
     let asks = match asks {
         Ours::Trackline(line) => Ours::Trackline(Trackline {
             start: rounded(line.start),
@@ -172,10 +172,10 @@ fn oracle_ours(line: &str) -> Option<(u64, Ours)> {
     Some((created.map_or(0, backseat_oracle::TimeOfDay::as_nanos), asks))
 }
 
-/// What the vehicle said, with its times in nanoseconds and its text of its own.
+/// What the vehicle said: a text for comparison, and the times in nanoseconds.
 type Heard = (String, Vec<u64>);
 
-/// What `backseat-spi` reads in a sentence of the vehicle's, as the oracle says it.
+/// What `backseat-spi` reads in a sentence of the vehicle's, in the same form.
 fn spi_heard(line: &str) -> Option<Heard> {
     let sentence = Sentence::parse(line.trim_end()).ok()?;
     if sentence.checksum() != ChecksumState::Valid {
@@ -183,7 +183,7 @@ fn spi_heard(line: &str) -> Option<Heard> {
     }
     let id = |identifier: Option<BehaviorId>| identifier.map(BehaviorId::get);
     let mut times = Vec::new();
-    #[expect(clippy::wildcard_enum_match_arm, reason = "what no rule needs")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no rule needs the others")]
     let text = match FromVehicle::decode(&sentence).ok()? {
         FromVehicle::MissionCommand(it) => format!("command {:?}", it.text.as_str()),
         FromVehicle::Shutdown(_) => "shutdown".to_owned(),
@@ -296,13 +296,13 @@ fn oracle_heard(line: &str) -> Option<Heard> {
     Some((text, times))
 }
 
-/// The sentences of the vehicle's that a rule needs.
+/// The vehicle's sentences that a rule needs.
 const HEARD: [&str; 12] = [
     "BFNVG", "BFNVR", "BFACK", "BFMBS", "BFMBE", "BFPLN", "BFCTL", "BFMIS", "BFMSC", "BFCMA", "BFDVT", "BFSHT",
 ];
 
 #[test]
-fn both_readers_agree_over_every_example_of_the_catalogue() {
+fn both_readers_agree_on_every_example_of_the_catalogue() {
     let mut heard = 0;
     for entry in catalogue() {
         let line = format!("{}\r\n", entry.example);
@@ -327,7 +327,8 @@ fn both_readers_agree_over_every_example_of_the_catalogue() {
     assert_eq!(heard, HEARD.len());
 }
 
-/// The fields on the wire of one value of a sentence, as the specification writes them, by its entry in the catalogue.
+/// Draws the fields on the wire of one value of a sentence, as the specification writes them, from its entry in the
+/// catalogue.
 fn fields_of(field: &'static EntryField) -> BoxedStrategy<Vec<String>> {
     if field.range == "1..8 frames" {
         return (1..9usize)
@@ -343,7 +344,7 @@ fn fields_of(field: &'static EntryField) -> BoxedStrategy<Vec<String>> {
     field.formats.iter().copied().map(format).collect::<Vec<_>>().boxed()
 }
 
-/// One field on the wire.
+/// Draws one field on the wire.
 fn field_of(format: &'static str, range: &'static str) -> BoxedStrategy<String> {
     match format {
         "x.x" => {
@@ -363,7 +364,7 @@ fn field_of(format: &'static str, range: &'static str) -> BoxedStrategy<String> 
             }
             match bounds(range) {
                 Some((least, most)) => (least as i64..=most as i64).prop_map(|value| value.to_string()).boxed(),
-                // Reserved.
+                // A reserved field.
                 None => Just("0".to_owned()).boxed(),
             }
         }
@@ -400,7 +401,7 @@ fn angle(max: u32, width: usize) -> impl Strategy<Value = String> {
     })
 }
 
-/// What real vehicles, other payloads and damage make of a field.
+/// Draws a field as real vehicles, other payloads or damage may leave it.
 fn odd_field() -> impl Strategy<Value = String> {
     prop_oneof![
         Just(String::new()),
@@ -415,7 +416,7 @@ fn odd_field() -> impl Strategy<Value = String> {
 /// A sentence's name and its fields.
 type Drawn = (&'static str, Vec<String>);
 
-/// A sentence that is as the specification writes it.
+/// Draws a sentence as the specification writes it.
 fn drawn(direction: Direction) -> impl Strategy<Value = Drawn> {
     let judged = |entry: &&Entry| match direction {
         Direction::ToVehicle => entry.direction == direction,
@@ -428,7 +429,7 @@ fn drawn(direction: Direction) -> impl Strategy<Value = Drawn> {
     })
 }
 
-/// A sentence with a field that is odd, lost or too many.
+/// Draws a sentence in which a field is odd, missing or one too many.
 fn odd(direction: Direction) -> impl Strategy<Value = Drawn> {
     let change = (any::<proptest::sample::Index>(), 0..5u8, odd_field());
     (drawn(direction), change).prop_map(|((name, mut fields), (at, what, text))| {
@@ -455,7 +456,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn both_readers_agree_over_every_sentence_of_ours(drawn in drawn(Direction::ToVehicle)) {
+    fn both_readers_agree_on_every_sentence_of_ours(drawn in drawn(Direction::ToVehicle)) {
         let line = line(&drawn);
         let read = oracle_ours(&line);
         prop_assert!(read.is_some(), "{line} {:?}", read_ours(line.trim_end_matches('\n').as_bytes()));
@@ -463,23 +464,24 @@ proptest! {
     }
 
     #[test]
-    fn both_readers_agree_over_every_sentence_of_the_vehicle(drawn in drawn(Direction::FromVehicle)) {
+    fn both_readers_agree_on_every_sentence_of_the_vehicle(drawn in drawn(Direction::FromVehicle)) {
         let line = line(&drawn);
         prop_assert!(oracle_heard(&line).is_some(), "{line}");
         prop_assert_eq!(oracle_heard(&line), spi_heard(&line), "{}", line);
     }
 
-    /// Of ours the oracle reads nothing that `backseat-spi` does not read, and nothing in another way.
+    /// Of our sentences the oracle reads only what `backseat-spi` reads too, and in the same way.
     #[test]
-    fn the_oracle_is_the_stricter_reader_of_ours(odd in odd(Direction::ToVehicle)) {
+    fn the_oracle_is_the_stricter_reader_of_our_sentences(odd in odd(Direction::ToVehicle)) {
         let line = line(&odd);
         let read = oracle_ours(&line);
         prop_assert!(read.is_none() || read == spi_ours(&line), "{line} {read:?} {:?}", spi_ours(&line));
     }
 
-    /// Of the vehicle's, what is odd is read in the same way; in what has a place, what both read is the same.
+    /// Both read an odd sentence of the vehicle in the same way. A sentence with a position may be read by only one of
+    /// them, but if both read it, they read the same.
     #[test]
-    fn both_readers_agree_over_what_is_odd_in_the_vehicles(odd in odd(Direction::FromVehicle)) {
+    fn both_readers_agree_on_odd_sentences_of_the_vehicle(odd in odd(Direction::FromVehicle)) {
         let line = line(&odd);
         let (read, other) = (oracle_heard(&line), spi_heard(&line));
         if !matches!(odd.0, "BFNVG" | "BFPLN") || read.is_some() && other.is_some() {
@@ -504,10 +506,10 @@ proptest! {
     }
 }
 
-/// Where the two readers mean to differ. `backseat-spi` reads what other payloads and vehicles may send; of what we send
-/// ourselves the oracle wants the specification's every word.
+/// The two readers differ on purpose here. `backseat-spi` reads what other payloads and vehicles may send; of our own
+/// sentences the oracle accepts only the exact form of the specification.
 #[test]
-fn the_oracle_takes_nothing_from_us_that_the_specification_does_not_write() {
+fn the_oracle_accepts_our_sentences_only_in_the_form_of_the_specification() {
     let checked = |body: &str| sentence(body);
     let lower = (0..16)
         .map(|identifier| checked(&format!("BPRCN,000001.000,{identifier}")))
@@ -518,12 +520,12 @@ fn the_oracle_takes_nothing_from_us_that_the_specification_does_not_write() {
         ("no checksum", "$BPEMB,000001.000\r\n".to_owned()),
         ("a checksum in lower case", lower),
         ("a line feed alone", checked("BPEMB,000001.000").replace('\r', "")),
-        ("a field more", checked("BPEMB,000001.000,0")),
+        ("one field too many", checked("BPEMB,000001.000,0")),
         ("no milliseconds", checked("BPEMB,000001")),
         ("two decimals", checked("BPEMB,000001.50")),
         ("a topic of two letters", checked("BPLOG,NV,ON")),
         ("a code of a later version", checked("BPTOP,000001.000,4,x,0")),
-        ("what is reserved", checked("BPRCB,000001.000,1")),
+        ("a reserved value", checked("BPRCB,000001.000,1")),
         ("no reserved field", checked("BPRCB,000001.000")),
         (
             "no interrupt code",
@@ -561,7 +563,7 @@ fn the_oracle_takes_nothing_from_us_that_the_specification_does_not_write() {
     }
 }
 
-/// A BFNVG is where the vehicle believes to be: what is damaged and has a right checksum by chance moves nothing.
+/// A BFNVG has the position that the vehicle believes. A damaged one whose checksum is right by chance moves nothing.
 #[test]
 fn a_fix_is_read_as_the_specification_writes_it() {
     let body = "BFNVG,081025.987,4221.81092,N,07106.84603,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980";
@@ -598,7 +600,8 @@ fn a_fix_is_read_as_the_specification_writes_it() {
     ] {
         assert_eq!(read(&body.replacen(right, damaged, 1)), None, "{damaged}");
     }
-    // `backseat-spi` brings a heading to the circle, reads codes of more digits, and refuses what no sea is as deep as.
+    // `backseat-spi` wraps a heading into the circle, reads codes with more digits, and refuses a depth that no sea
+    // has.
     let spi = |body: &str| spi_heard(&sentence(body)).is_some();
     for (changed, oracle_reads) in [
         (body.replace("203.1", "403.1"), false),
@@ -611,7 +614,7 @@ fn a_fix_is_read_as_the_specification_writes_it() {
             "{changed}"
         );
     }
-    // And it takes a blank for a digit of the degrees.
+    // It also accepts a blank as a digit of the degrees.
     let element = "BFPLN,000000.000,3,,0,1,4200,N,07000,W,,,";
     assert!(spi_heard(&sentence(element)).is_some() && oracle_heard(&sentence(element)).is_some());
     let blank = sentence(&element.replace(",4200,", ", 000,"));

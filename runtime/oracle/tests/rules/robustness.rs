@@ -1,4 +1,4 @@
-//! What is malformed, on either side, and bounds.
+//! Malformed input from either side, and bounds.
 
 use backseat_oracle::{Activity, Limits, Oracle, OracleError, Truth};
 use proptest::prelude::*;
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use crate::scenario::{FENCE, Scenario, position, sentence};
 
 #[test]
-fn every_sentence_of_ours_is_whole_and_right() {
+fn a_malformed_sentence_of_ours_is_a_violation() {
     for bytes in [
         "$BPMSG,000001.000,x*00\r\n",
         "$BPMSG,000001.000,x\r\n",
@@ -30,7 +30,7 @@ fn every_sentence_of_ours_is_whole_and_right() {
         .bytes(2000, first)
         .bytes(2001, second)
         .finds_nothing();
-    // What a lost link cut off is nobody's fault.
+    // A sentence that a lost link cuts off is no violation.
     Scenario::with_control()
         .bytes(2000, first)
         .link(2001, false)
@@ -38,7 +38,7 @@ fn every_sentence_of_ours_is_whole_and_right() {
 }
 
 #[test]
-fn words_of_the_vehicle_with_wrong_checksums_are_no_words() {
+fn sentences_of_the_vehicle_with_wrong_checksums_do_not_count() {
     let oracle = |grant: &str| {
         let mut oracle = Oracle::new(FENCE, Limits::default()).unwrap();
         oracle.link(0, true);
@@ -66,7 +66,7 @@ fn the_list_of_violations_is_bounded() {
 }
 
 #[test]
-fn violations_read_well() {
+fn a_violation_has_a_readable_text() {
     let outcome = Scenario::without_control()
         .ours(2000, "BPRTK,{t},7,4200.3,N,07000.9,W,4200.3,N,07000.8,W,0,10,1.5,0,0")
         .finds(&["no-control"]);
@@ -79,7 +79,7 @@ fn violations_read_well() {
 }
 
 #[test]
-fn a_fence_that_is_none_is_refused() {
+fn an_invalid_fence_is_refused() {
     let refused = |fence: &str| Oracle::new(fence, Limits::default()).unwrap_err();
     assert!(matches!(refused(""), OracleError::Json(_)));
     assert!(matches!(refused("[]"), OracleError::Document { .. }));
@@ -196,7 +196,7 @@ fn garbage() -> impl Strategy<Value = Vec<u8>> {
 
 proptest! {
     #[test]
-    fn nothing_from_either_side_panics(
+    fn no_input_from_either_side_panics(
         writes in proptest::collection::vec((0..9u8, garbage(), 0..u64::MAX / 2), 0..60), sorted: bool,
     ) {
         let mut oracle = Oracle::new(FENCE, Limits::default()).unwrap();
@@ -240,7 +240,7 @@ proptest! {
     }
 
     #[test]
-    fn a_write_may_come_in_any_split(cuts in proptest::collection::vec(1..60usize, 0..10)) {
+    fn a_write_may_arrive_in_any_pieces(cuts in proptest::collection::vec(1..60usize, 0..10)) {
         let text = sentence("BFMIS,000000.000,a,Running,") + &sentence("BFCTL,000000.000,1") + "\n";
         let mut oracle = Oracle::new(FENCE, Limits::default()).unwrap();
         oracle.link(0, true);

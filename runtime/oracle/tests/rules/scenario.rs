@@ -1,4 +1,4 @@
-//! A run written by hand: what is not said is a healthy vehicle that flies its plan inside the fence.
+//! A run written by hand. What a test does not state is a healthy vehicle that flies its plan inside the fence.
 
 #![expect(clippy::unwrap_used, reason = "a scenario that cannot be built fails its test")]
 
@@ -6,7 +6,8 @@ use std::fmt::Write;
 
 use backseat_oracle::{Activity, Limits, Oracle, Position, State, Statistics, Truth, Violation};
 
-/// 2.2 km by 1.7 km with a hole of 220 m by 170 m that is forbidden, and a wreck that is at 30 to 40 m only.
+/// A zone of 2.2 km by 1.7 km, with a forbidden mooring of 220 m by 170 m in it, and a wreck that is forbidden only at
+/// 30 m and deeper.
 pub(crate) const FENCE: &str = r#"{ "type": "FeatureCollection", "features": [
     { "type": "Feature",
       "properties": { "name": "site", "kind": "keep-in", "margin_m": 20, "surfacing": true, "depth_min_m": 2, "depth_max_m": 40,
@@ -55,30 +56,32 @@ pub(crate) struct Scenario {
     limits: Limits,
     /// Whether each BPRMB is answered at once.
     answers: bool,
-    /// Until when a runtime that is not stopped sends BPSTS each second, and how long its answers take, milliseconds.
+    /// Until when the runtime sends BPSTS each second unless it is stopped, and how long the answers take,
+    /// milliseconds.
     beats_until_ms: u64,
     beats_take_ms: u64,
-    /// Where BFNVG says that the vehicle is, from when on: latitude and longitude as they are written.
+    /// The positions in BFNVG, and from when on each of them counts: latitude and longitude as they are written.
     believed: Vec<(u64, &'static str)>,
-    /// From one time until another the place that BFNVG tells goes north by so many m/s more than it does.
+    /// From the first time until the second the position in BFNVG creeps north at this speed in m/s, besides the
+    /// vehicle's own motion.
     creeps: Option<(u64, u64, f64)>,
-    /// How fast BFNVR says that the vehicle goes north, m/s, and from when until when there is none, milliseconds.
+    /// The speed to the north in BFNVR, m/s, and the time without BFNVR, milliseconds.
     north_mps: f64,
     without_velocities: std::ops::Range<u64>,
-    /// The vehicle's clock is set by so many milliseconds at a time.
+    /// When the vehicle's clock is set, and by how many milliseconds.
     clock_set: (u64, i64),
 }
 
-/// What the oracle made of it.
+/// The oracle's result.
 pub(crate) struct Outcome {
     pub(crate) violations: Vec<Violation>,
     pub(crate) statistics: Statistics,
-    /// Where the run stood, each tenth of a second, without repetition.
+    /// The state of the run at each tenth of a second, without repetitions.
     pub(crate) states: Vec<State>,
 }
 
 impl Scenario {
-    /// The link is up and control is ours from 0.1 s on.
+    /// The link is up, and we have control from 0.1 s on.
     pub(crate) fn with_control() -> Self {
         Self::without_control()
             .vehicle(100, "BFMIS,{t},a.dive,Running /logs/1,")
@@ -123,31 +126,31 @@ impl Scenario {
         self
     }
 
-    /// So long after BPSTS its answer comes.
+    /// The answer to a BPSTS takes this long.
     pub(crate) fn beats_take(mut self, ms: u64) -> Self {
         self.beats_take_ms = ms;
         self
     }
 
-    /// Where BFNVG says that the vehicle is.
+    /// From then on BFNVG has this position.
     pub(crate) fn believes(mut self, ms: u64, place: &'static str) -> Self {
         self.believed.push((ms, place));
         self
     }
 
-    /// The place that BFNVG tells creeps north from one time until another.
+    /// The position in BFNVG creeps north from the first time until the second.
     pub(crate) fn creeps(mut self, from_ms: u64, until_ms: u64, mps: f64) -> Self {
         self.creeps = Some((from_ms, until_ms, mps));
         self
     }
 
-    /// How fast BFNVR says that the vehicle goes north.
+    /// BFNVR says that the vehicle goes north at this speed.
     pub(crate) fn goes_north(mut self, mps: f64) -> Self {
         self.north_mps = mps;
         self
     }
 
-    /// No BFNVR comes.
+    /// No BFNVR comes in this time.
     pub(crate) fn without_velocities(mut self, ms: std::ops::Range<u64>) -> Self {
         self.without_velocities = ms;
         self
@@ -169,7 +172,7 @@ impl Scenario {
         self.vehicle_bytes(ms, text.as_bytes())
     }
 
-    /// Bytes of the vehicle are let on their way.
+    /// The link passes these bytes of the vehicle on.
     pub(crate) fn vehicle_bytes(self, ms: u64, bytes: &[u8]) -> Self {
         self.event(ms, Event::Vehicle(bytes.to_vec()))
     }
@@ -184,7 +187,7 @@ impl Scenario {
         self.event(ms, Event::Ours(bytes.to_vec()))
     }
 
-    /// BPRMB every second from one time to another, both included, and the modified vehicle.
+    /// BPRMB every second from the first time to the second, both included, and a vehicle that flies the modify.
     pub(crate) fn lease(mut self, from_ms: u64, to_ms: u64) -> Self {
         for ms in (from_ms..=to_ms).step_by(1000) {
             self = self.ours(ms, MODIFY);
@@ -213,12 +216,12 @@ impl Scenario {
         self.event(ms, Event::Navigation(on))
     }
 
-    /// Whether BFNVG says a height above the seabed.
+    /// Whether BFNVG has an altitude above the seabed.
     pub(crate) fn lock(self, ms: u64, on: bool) -> Self {
         self.event(ms, Event::Lock(on))
     }
 
-    /// How old each BFNVG is when it is let on its way, milliseconds.
+    /// How old each BFNVG is when the link passes it on, milliseconds.
     pub(crate) fn navigation_delay(self, ms: u64, delay_ms: u64) -> Self {
         self.event(ms, Event::NavigationDelay(delay_ms))
     }
@@ -234,12 +237,12 @@ impl Scenario {
         self.event(ms, Event::Arrived(text.into_bytes()))
     }
 
-    /// Nobody has written down what was said from one time until another.
+    /// The record lacks everything from the first time until the second.
     pub(crate) fn gap(self, from_ms: u64, until_ms: u64) -> Self {
         self.event(from_ms, Event::Gap(until_ms))
     }
 
-    /// How far the vehicle is from where it believes to be.
+    /// The error of navigation: the distance between the vehicle and the position that it believes, in metres.
     pub(crate) fn error(self, ms: u64, metres: f64) -> Self {
         self.event(ms, Event::Error(metres))
     }
@@ -274,7 +277,7 @@ impl Scenario {
         self
     }
 
-    /// Runs for so many milliseconds.
+    /// Runs for this many milliseconds.
     pub(crate) fn run(mut self, until_ms: u64) -> Outcome {
         self.events.sort_by_key(|(ms, _)| *ms);
         let mut oracle = Oracle::new(FENCE, self.limits).unwrap();
@@ -396,7 +399,7 @@ impl Scenario {
         }
     }
 
-    /// Runs for 20 s, and has found exactly these rules.
+    /// Runs for 20 s, and checks that exactly these rules are broken.
     #[track_caller]
     pub(crate) fn finds(self, rules: &[&str]) -> Outcome {
         let outcome = self.run(20_000);
@@ -419,7 +422,7 @@ pub(crate) fn sentence(body: &str) -> String {
     text
 }
 
-/// The run begins one second before midnight.
+/// The time of day at `ms`: the run begins one second before midnight.
 pub(crate) fn stamp(ms: u64) -> String {
     let millis = (86_399_000 + ms) % 86_400_000;
     let (minutes, seconds) = (millis / 60_000, millis / 1000 % 60);

@@ -1,4 +1,4 @@
-//! Requirements 011, 014, 016, 017, 018 and 019: what is no movement.
+//! Requirements 011, 014, 016, 017, 018 and 019: everything but movement.
 
 use crate::scenario::{END, MODIFY, Scenario};
 
@@ -6,14 +6,14 @@ const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700
 const PACKET: &str = "BPCPD,{t},1,2,0,1,1,AB,,,,,,,";
 
 #[test]
-fn requirement_011_nothing_new_after_the_word_that_power_will_go() {
+fn requirement_011_nothing_new_leaves_after_the_shutdown_notice() {
     let shutdown = || Scenario::with_control().beats_until(14_000).vehicle(4000, "BFSHT,{t}");
     for body in [TRACKLINE, MODIFY, "BPSUS,{t}"] {
         let end = if body == MODIFY { END } else { "BPRES,{t}" };
         shutdown().ours(4200, body).ours(4210, end).finds_nothing();
         shutdown().ours(4300, body).ours(4310, end).finds(&["after-shutdown"]);
     }
-    // A lease that lives may be ended in order.
+    // A lease that exists may be ended in order.
     shutdown()
         .ours(3500, MODIFY)
         .ours(4500, MODIFY)
@@ -22,14 +22,14 @@ fn requirement_011_nothing_new_after_the_word_that_power_will_go() {
 }
 
 #[test]
-fn requirement_011_nothing_at_all_ten_seconds_after() {
+fn requirement_011_nothing_at_all_leaves_ten_seconds_after_the_notice() {
     let shutdown = || Scenario::with_control().beats_until(14_000).vehicle(4000, "BFSHT,{t}");
     shutdown().ours(14_700, "BPMSG,{t},bye").finds_nothing();
     shutdown()
         .ours(14_800, "BPMSG,{t},bye")
         .ours(14_900, "BPMSG,{t},still here")
         .finds(&["after-shutdown"]);
-    // A new process was not there.
+    // A new process has not received the notice.
     shutdown()
         .started(12_000)
         .ours(14_800, "BPMSG,{t},hello")
@@ -37,7 +37,7 @@ fn requirement_011_nothing_at_all_ten_seconds_after() {
 }
 
 #[test]
-fn requirement_011_a_runtime_that_stands_still_hears_the_word_when_it_goes_on() {
+fn requirement_011_a_stopped_runtime_receives_the_notice_when_it_goes_on() {
     let woken = || {
         Scenario::with_control()
             .beats_until(16_000)
@@ -58,7 +58,7 @@ fn requirement_011_a_runtime_that_stands_still_hears_the_word_when_it_goes_on() 
 }
 
 #[test]
-fn requirement_011_a_word_that_may_be_lost_with_the_link_was_not_heard() {
+fn requirement_011_a_notice_that_may_be_lost_with_the_link_does_not_count() {
     let lost = |ms| {
         Scenario::with_control()
             .beats_until(12_000)
@@ -74,7 +74,7 @@ fn requirement_011_a_word_that_may_be_lost_with_the_link_was_not_heard() {
 fn requirement_016_packets_keep_to_the_windows() {
     let window = || Scenario::with_control().vehicle(3000, "BFCMA,{t},000004.000,7,WHOIPSK");
     window().ours(3100, PACKET).ours(5000, PACKET).finds_nothing();
-    // The run begins a second before midnight: the window ends at 5 s, and 250 ms are for the ways.
+    // The run begins a second before midnight: the window ends at 5 s, and 250 ms are for the delays of the link.
     window().ours(5240, PACKET).finds_nothing();
     window().ours(5260, PACKET).finds(&["packet-window"]);
     window().ours(2500, PACKET).finds(&["packet-window"]);
@@ -82,12 +82,12 @@ fn requirement_016_packets_keep_to_the_windows() {
         .reconnects(3500, 4000)
         .ours(4500, PACKET)
         .finds(&["packet-window"]);
-    // A damaged one is none.
+    // Without a window no packet may leave.
     Scenario::with_control().ours(3100, PACKET).finds(&["packet-window"]);
 }
 
 #[test]
-fn requirement_017_the_dvl_is_triggered_with_leave() {
+fn requirement_017_the_dvl_is_triggered_only_with_permission() {
     let asked = || Scenario::with_control().ours(2000, "BPDVR,{t},1,0");
     asked()
         .vehicle(3000, "BFDVT,{t},1")
@@ -106,7 +106,7 @@ fn requirement_017_the_dvl_is_triggered_with_leave() {
 }
 
 #[test]
-fn requirement_017_the_word_to_cease_is_answered() {
+fn requirement_017_a_request_to_stop_must_be_answered() {
     let ceased = || {
         Scenario::with_control()
             .ours(2000, "BPDVR,{t},1,0")
@@ -117,14 +117,14 @@ fn requirement_017_the_word_to_cease_is_answered() {
     ceased().finds(&["trigger-not-ceased"]);
     ceased().ours(5490, "BPDVR,{t},1,0").finds_nothing();
     ceased().ours(5510, "BPDVR,{t},1,0").finds(&["trigger-not-ceased"]);
-    // Without control too.
+    // Also without control.
     ceased().vehicle(4100, "BFCTL,{t},0").finds(&["trigger-not-ceased"]);
     ceased().link(4500, false).finds_nothing();
     ceased().stopped(4500).finds_nothing();
 }
 
 #[test]
-fn requirement_014_triggering_is_not_asked_for_without_control() {
+fn requirement_014_triggering_is_not_requested_without_control() {
     let lost = || {
         Scenario::with_control()
             .ours(2000, "BPDVR,{t},1,0")
@@ -138,7 +138,7 @@ fn requirement_014_triggering_is_not_asked_for_without_control() {
 }
 
 #[test]
-fn requirement_018_silence_is_not_asked_for_while_it_stands() {
+fn requirement_018_silence_is_not_requested_while_it_lasts() {
     let silent = || {
         Scenario::with_control()
             .limits(|limits| limits.caps.silent_term_s = 10.0)
@@ -152,18 +152,18 @@ fn requirement_018_silence_is_not_asked_for_while_it_stands() {
         .ours(8000, "BPSIL,{t},0")
         .ours(9000, "BPSIL,{t},1")
         .finds_nothing();
-    // It was not entered.
+    // The vehicle did not enter silence.
     Scenario::with_control()
         .ours(2000, "BPSIL,{t},1")
         .vehicle(3500, "BFACK,{t},SIL,000001.000,0,1,0,it spins")
         .ours(8000, "BPSIL,{t},1")
         .finds_nothing();
-    // A new process cannot know.
+    // A new process cannot know of the silence.
     silent().started(5000).ours(8000, "BPSIL,{t},1").finds_nothing();
 }
 
 #[test]
-fn requirement_019_what_outlives_us_is_capped_in_number() {
+fn requirement_019_the_number_of_requests_that_outlive_us_is_capped() {
     let answered = |what: &str, status: u32, asked_s: [u32; 3]| {
         let mut run = Scenario::with_control().limits(|limits| {
             limits.caps.gps_hits_total_max = 2;
@@ -179,7 +179,7 @@ fn requirement_019_what_outlives_us_is_capped_in_number() {
     for what in ["RGP", "TRM", "BOY"] {
         taken(what, 2).finds(&["requests-total"]);
         taken(what, 1).finds_nothing();
-        // An answer that comes twice is of one that was asked once.
+        // A repeated answer belongs to one request.
         answered(what, 2, [1, 2, 2]).finds_nothing();
     }
     let run = Scenario::with_control().limits(|limits| limits.caps.silences_total_max = 1);
@@ -195,7 +195,7 @@ fn requirement_019_what_outlives_us_is_capped_in_number() {
 }
 
 #[test]
-fn requirement_019_messages_and_packets_are_limited_in_their_rate() {
+fn requirement_019_the_rate_of_texts_and_packets_is_limited() {
     let run = |count: u64, body: &str| {
         let mut run = Scenario::with_control()
             .limits(|limits| {
@@ -215,7 +215,7 @@ fn requirement_019_messages_and_packets_are_limited_in_their_rate() {
 }
 
 #[test]
-fn requirement_002_the_vehicle_surfaces_where_a_zone_lets_it() {
+fn requirement_002_the_vehicle_surfaces_only_where_a_zone_allows_it() {
     let hit = |longitude: &str| {
         let body = format!("BPRGP,{{t}},7,4200.300,N,{longitude},W,,,0");
         Scenario::with_control().ours(3000, &body)
@@ -225,7 +225,7 @@ fn requirement_002_the_vehicle_surfaces_where_a_zone_lets_it() {
 }
 
 #[test]
-fn requirement_002_a_height_above_the_seabed_needs_a_seabed() {
+fn requirement_002_an_altitude_needs_a_known_seabed() {
     let at_altitude = |made_ms| {
         Scenario::with_control()
             .limits(|limits| limits.water_depth_known = false)
@@ -233,7 +233,7 @@ fn requirement_002_a_height_above_the_seabed_needs_a_seabed() {
             .ours(made_ms, "BPRMB,{t},90,20,1,1.5,1,0")
             .ours(made_ms + 10, END)
     };
-    // The last lock is of 3.9 s, and 250 ms are for its way.
+    // The last lock is of 3.9 s, and 250 ms are for the link's delay.
     at_altitude(9100).finds_nothing();
     at_altitude(9200).finds(&["bottom-unknown"]);
     at_altitude(9200)
@@ -245,7 +245,7 @@ fn requirement_002_a_height_above_the_seabed_needs_a_seabed() {
         .lock(0, false)
         .ours(3000, line)
         .finds(&["bottom-unknown"]);
-    // Another connection has told of none.
+    // The new connection has reported no bottom lock.
     Scenario::with_control()
         .limits(|limits| limits.water_depth_known = false)
         .reconnects(3500, 4000)
@@ -255,7 +255,7 @@ fn requirement_002_a_height_above_the_seabed_needs_a_seabed() {
 }
 
 #[test]
-fn requirement_019_lines_and_commands_to_devices_keep_to_their_seconds() {
+fn requirement_019_the_number_of_log_lines_and_device_commands_a_second_is_limited() {
     let burst = |body: &str, count: u64| {
         (0..count).fold(
             Scenario::with_control().limits(|limits| {

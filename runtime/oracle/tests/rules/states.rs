@@ -1,4 +1,4 @@
-//! Where a run stands.
+//! The state of a run.
 
 use backseat_oracle::{Activity, State};
 
@@ -37,7 +37,7 @@ fn an_insert_goes_through_its_states() {
 }
 
 #[test]
-fn a_lease_stands_before_an_insert_and_station_keeping_before_both() {
+fn a_lease_takes_precedence_over_an_insert_and_station_keeping_over_both() {
     let run = Scenario::with_control()
         .lease(3000, 4000)
         .ours(4200, TRACKLINE)
@@ -62,7 +62,7 @@ fn a_lease_stands_before_an_insert_and_station_keeping_before_both() {
 }
 
 #[test]
-fn what_the_plan_does_not_hold_is_not_open() {
+fn an_insert_that_is_missing_from_the_plan_is_not_open() {
     let run = |elements: &str| {
         Scenario::with_control()
             .ours(2000, TRACKLINE)
@@ -81,7 +81,7 @@ fn what_the_plan_does_not_hold_is_not_open() {
 }
 
 #[test]
-fn names_are_unique() {
+fn state_names_are_unique() {
     let mut names: Vec<_> = State::ALL.iter().map(|state| state.name()).collect();
     names.sort_unstable();
     names.dedup();

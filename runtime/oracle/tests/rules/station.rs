@@ -1,4 +1,4 @@
-//! Requirements 001, 005 and 014: how a hovering vehicle is held.
+//! Requirements 001, 005 and 014: how a hovering vehicle keeps its station.
 
 use crate::scenario::Scenario;
 
@@ -6,7 +6,7 @@ const SUSPEND: &str = "BPSUS,{t}";
 const CONTINUE: &str = "BPCON,{t}";
 const RESUME: &str = "BPRES,{t}";
 
-/// BPSUS at 3 s, and each half second more of it until 6 s.
+/// BPSUS at 3 s, and then a refresh each half second until 6 s.
 fn held() -> Scenario {
     let mut run = Scenario::with_control()
         .ours(3000, SUSPEND)
@@ -19,7 +19,7 @@ fn held() -> Scenario {
 }
 
 #[test]
-fn requirement_005_a_station_that_is_kept_and_ended_finds_nothing() {
+fn requirement_005_a_station_that_is_refreshed_and_ended_is_no_violation() {
     let outcome = held().ours(6400, RESUME).finds_nothing();
     assert_eq!(outcome.statistics.stations, 1);
     assert!(
@@ -39,14 +39,14 @@ fn requirement_005_no_gap_over_a_second() {
     held().ours(7100, CONTINUE).ours(7200, RESUME).finds(&["station-gap"]);
     held().ours(7100, RESUME).finds(&["station-gap"]);
     held().finds(&["station-gap"]);
-    // A lost link cannot be helped, nor can a stopped runtime.
+    // The runtime cannot avoid a gap when the link is lost or when it is stopped.
     held().link(6500, false).finds_nothing();
     held().stopped(6500).finds_nothing();
     held().stopped(6500).ours(9000, RESUME).finds_nothing();
 }
 
 #[test]
-fn requirement_005_what_is_over_is_not_kept() {
+fn requirement_005_station_keeping_that_is_over_is_not_refreshed() {
     for body in [CONTINUE, "BPGHP,{t},2.5,-1.25,1.5", "BPGBP,{t},1,2,A,3"] {
         held().ours(6400, RESUME).ours(6500, body).finds(&["station-dead"]);
         Scenario::with_control().ours(3000, body).finds(&["station-dead"]);

@@ -34,7 +34,7 @@ const UNTYPED: &str = r#"
         (export "restore" (func $f)))"#;
 
 #[test]
-fn what_is_no_component_is_refused_by_what_it_is() {
+fn a_file_that_is_no_component_is_refused_with_what_it_is() {
     assert_eq!(refusal(b""), "odd: the file is empty, expected a WebAssembly component");
     assert_eq!(
         refusal(b"(component)"),
@@ -114,7 +114,7 @@ fn exports_of_other_types_are_refused_at_the_latest_at_the_start() {
 }
 
 #[test]
-fn proposals_that_differ_between_machines_are_off() {
+fn webassembly_features_that_differ_between_machines_are_off() {
     let relaxed = r#"(component (core module (func (param v128 v128 v128) (result v128)
         (f64x2.relaxed_madd (local.get 0) (local.get 1) (local.get 2)))))"#;
     let threads = r#"(component (core module (memory 1 1 shared)))"#;

@@ -7,7 +7,7 @@ use backseat_plugin_host::{Budget, HostError, LOG_FUEL};
 use crate::fixture::{Latitude, components, fault_kind, faulty, input, only_modify};
 
 #[test]
-fn memory_is_bounded_at_the_start_too() {
+fn memory_is_also_bounded_at_the_start() {
     let budget = Budget {
         memory_bytes: 64 << 10,
         ..Budget::default()

@@ -86,7 +86,7 @@ fn two_runs_return_the_same_with_the_same_fuel() {
 }
 
 #[test]
-fn a_call_is_not_changed_by_what_other_plugins_did_before() {
+fn a_call_does_not_depend_on_earlier_calls_of_other_plugins() {
     let mut alone = faulty("none", 0, Budget::default());
     let expected: Vec<_> = (0..5).map(|second| alone.step(&input(second))).collect();
     let mut noisy = faulty("log_flood", 0, Budget::default());
@@ -101,7 +101,7 @@ fn a_call_is_not_changed_by_what_other_plugins_did_before() {
 }
 
 #[test]
-fn navigation_goes_absent_and_comes_back() {
+fn navigation_disappears_and_comes_back() {
     let mut plugin = template();
     let without = StepInput {
         navigation: None,

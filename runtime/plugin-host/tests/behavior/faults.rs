@@ -24,7 +24,7 @@ fn roomy() -> Budget {
 }
 
 #[test]
-fn each_fault_is_told_by_its_kind_and_takes_the_whole_budget() {
+fn each_fault_is_reported_by_its_kind_and_takes_the_whole_budget() {
     for (fault, kind) in LOST {
         let mut plugin = faulty(fault, 1, roomy());
         only_modify(&plugin.step(&input(0)));
@@ -56,7 +56,7 @@ fn a_lost_plugin_answers_start_until_it_is_started_again() {
 }
 
 #[test]
-fn siblings_are_untouched_by_any_fault() {
+fn no_fault_affects_another_plugin() {
     let alone: Vec<_> = {
         let mut sibling = template();
         (0..6).map(|second| sibling.step(&input(second))).collect()
@@ -77,7 +77,7 @@ fn siblings_are_untouched_by_any_fault() {
 }
 
 #[test]
-fn an_error_of_its_own_leaves_the_instance() {
+fn an_error_that_the_plugin_returns_keeps_the_instance() {
     let mut plugin = faulty("error", 1, Budget::default());
     only_modify(&plugin.step(&input(0)));
     let failed = plugin.step(&input(1));
@@ -95,7 +95,7 @@ fn an_error_of_its_own_leaves_the_instance() {
 }
 
 #[test]
-fn a_panic_says_in_the_log_where_it_was() {
+fn the_log_says_where_a_panic_was() {
     let returned = faulty("trap", 0, Budget::default()).step(&input(0));
     let text = &returned.log[0].text;
     assert!(
@@ -105,7 +105,7 @@ fn a_panic_says_in_the_log_where_it_was() {
 }
 
 #[test]
-fn wild_figures_reach_core_as_they_are() {
+fn invalid_numbers_reach_core_unchanged() {
     for (fault, matches) in [
         ("nan", (|value| value.is_nan()) as fn(f64) -> bool),
         ("infinite", |value| value == f64::INFINITY),
@@ -163,7 +163,7 @@ fn wild_figures_reach_core_as_they_are() {
 }
 
 #[test]
-fn bad_manners_within_the_bounds_are_for_core_to_judge() {
+fn misbehavior_within_the_bounds_is_left_to_core() {
     let mut stale = faulty("stale", 0, Budget::default());
     assert!(only_modify(&stale.step(&input(0))).duration.as_secs() > 300 * 86_400);
     assert_eq!(stale.step(&input(1)).result, Ok(vec![]));
@@ -176,7 +176,7 @@ fn bad_manners_within_the_bounds_are_for_core_to_judge() {
 }
 
 #[test]
-fn floods_within_the_bounds_and_odd_texts_are_for_core_to_judge() {
+fn floods_within_the_bounds_and_odd_texts_are_left_to_core() {
     let asked = |fault| faulty(fault, 0, Budget::default()).step(&input(0)).result.unwrap();
     let all = |fault, is: fn(&Request) -> bool| {
         let requests = asked(fault);

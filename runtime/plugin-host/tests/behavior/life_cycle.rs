@@ -7,7 +7,7 @@ use backseat_plugin_host::{Budget, HostError};
 use crate::fixture::{Latitude, components, fault_kind, faulty, input, only_modify, template};
 
 #[test]
-fn a_plugin_says_what_it_is() {
+fn a_plugin_describes_itself() {
     let config = r#"{"heading_deg": 90.0, "depth_m": 10.0, "speed_mps": 1.5}"#;
     let started = components()
         .template
@@ -24,7 +24,7 @@ fn a_plugin_says_what_it_is() {
 }
 
 #[test]
-fn a_wrong_configuration_is_refused_by_its_key() {
+fn a_wrong_configuration_is_refused_with_its_key() {
     let start = |config| {
         components()
             .template
@@ -64,7 +64,7 @@ fn a_restart_goes_on_from_the_last_snapshot() {
     assert!(restarted.fuel > 0);
     // The snapshot was taken after the sixth input, so the seventh, the eighth and the fatal one are lost.
     assert_eq!(restarted.lost_steps, 3);
-    // The restored state has the time of the first step, so the plugin knows that its time has come again.
+    // The restored state contains the time of the first step, so the plugin traps again 8 s after that time.
     assert_eq!(only_modify(&plugin.step(&input(7))).tag, 7);
     assert_eq!(fault_kind(&plugin.step(&input(9))), Some(FaultKind::Trap));
     // The first loss is still counted, because no snapshot was taken since.
@@ -72,7 +72,7 @@ fn a_restart_goes_on_from_the_last_snapshot() {
 }
 
 #[test]
-fn a_restart_without_a_snapshot_begins_anew() {
+fn a_restart_without_a_snapshot_begins_from_the_start() {
     let mut plugin = faulty(
         "trap",
         2,
@@ -136,7 +136,7 @@ fn a_snapshot_has_fuel_of_its_own_and_its_fuel_is_returned() {
 }
 
 #[test]
-fn a_plugin_that_runs_can_be_started_again_too() {
+fn a_running_plugin_can_be_restarted() {
     let mut plugin = template();
     assert_eq!(only_modify(&plugin.step(&input(0))).tag, 1);
     assert_eq!(plugin.restart().result, Ok(()));

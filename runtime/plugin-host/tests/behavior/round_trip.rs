@@ -28,7 +28,7 @@ fn echo(answer: &str, judge: Arc<dyn Judge>) -> Started {
     components().echo.start(budget, &config, judge).unwrap()
 }
 
-/// What the guest received, as it logs it.
+/// What the guest received, in the form in which it logs it.
 #[track_caller]
 fn heard(input: &StepInput) -> String {
     let returned = echo("input", Arc::new(Latitude)).plugin.step(input);
@@ -160,7 +160,7 @@ fn navigation_of_every_kind_arrives_in_the_plugin() {
 }
 
 #[test]
-fn a_plugin_hears_nothing_of_the_step_before() {
+fn a_plugin_receives_nothing_of_the_step_before() {
     let mut plugin = echo("input", Arc::new(Latitude)).plugin;
     let step = input(1);
     let full = StepInput {
@@ -220,7 +220,7 @@ impl Judge for Listening {
 }
 
 #[test]
-fn the_fence_is_asked_of_every_request_as_it_is() {
+fn the_fence_receives_every_request_unchanged() {
     let judge = Arc::new(Listening::default());
     let returned = echo("ask_fence", judge.clone()).plugin.step(&input(0));
     assert_eq!(returned.result, Ok(vec![]));
@@ -237,7 +237,7 @@ fn the_fence_is_asked_of_every_request_as_it_is() {
 }
 
 #[test]
-fn a_plugin_asks_for_topics_in_any_order() {
+fn a_plugin_may_list_topics_in_any_order() {
     let description = echo("input", Arc::new(Latitude)).description;
     assert_eq!(
         description.topics,

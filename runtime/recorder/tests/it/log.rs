@@ -264,7 +264,7 @@ fn every_input_comes_back_in_handle_order() {
 proptest! {
     /// The replay of a step must give core the exact bits that the plugin returned.
     #[test]
-    fn figures_survive_bit_for_bit(heading_deg in any::<f64>(), speed_mps in any::<f64>(), depth_m in any::<f64>()) {
+    fn numbers_survive_bit_for_bit(heading_deg in any::<f64>(), speed_mps in any::<f64>(), depth_m in any::<f64>()) {
         let request = ModifyRequest {
             tag: 1,
             heading_deg,
@@ -288,7 +288,7 @@ proptest! {
 
     /// The same for the numbers in requests other than modifies.
     #[test]
-    fn figures_of_every_request_survive_bit_for_bit(figures in proptest::array::uniform7(any::<f64>())) {
+    fn numbers_of_every_request_survive_bit_for_bit(figures in proptest::array::uniform7(any::<f64>())) {
         let [x_m, y_m, depth_m, speed_mps, angle_deg, latitude_deg, longitude_deg] = figures;
         let bottom = StationTarget::Bottom { x_m, y_m, vertical: VerticalRequest::DepthM(depth_m) };
         let hull = StationTarget::Hull { horizontal_m: x_m, vertical_m: y_m, distance_m: depth_m };
@@ -306,7 +306,7 @@ proptest! {
         let Some((_, LoggedInput::Returned(_, Returned { result: Ok(requests), .. }))) = log.inputs().next() else {
             panic!("no step returned: {log:?}");
         };
-        // The shortest decimal that parses to the same number, with its sign; NaN whatever its bits.
+        // `Debug` writes the shortest decimal that parses to the same number, with its sign, and NaN whatever its bits.
         prop_assert_eq!(format!("{requests:?}"), format!("{asked:?}"));
     }
 
@@ -469,7 +469,7 @@ fn outputs_go_to_their_channels() {
     assert_eq!(log.notes().count(), 5);
     assert_eq!(log.link().count(), 1);
 
-    // At sea an invocation is logged whole, so that a plugin's author can read it without a replay.
+    // At sea the log has the whole input of a step, so that a plugin's author can read it without a replay.
     let log = parse(&recorded(Rate::Deployed, write)).unwrap();
     let Record::Output(invoke) = &log.entries[3].record else {
         panic!("{:?}", log.entries[3]);
@@ -478,7 +478,7 @@ fn outputs_go_to_their_channels() {
 }
 
 #[test]
-fn simulation_decodes_once_a_second_and_sea_all() {
+fn a_simulation_logs_decoded_records_once_a_second_and_a_deployed_run_all() {
     let write = |recorder: &mut Recorder<&mut Cursor<Vec<u8>>>| {
         for tick in 0..100 {
             let now = Timestamp::from_millis(50 + 100 * tick);

@@ -12,7 +12,7 @@ fn mission() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/charted")
 }
 
-/// A copy of it with one file replaced, or left out.
+/// A copy of the mission with one file replaced or removed.
 fn changed(file: &str, content: Option<&[u8]>) -> tempfile::TempDir {
     let copy = tempfile::tempdir().unwrap();
     for entry in std::fs::read_dir(mission()).unwrap() {
@@ -38,7 +38,7 @@ fn fault(folder: &Path) -> String {
 }
 
 #[test]
-fn the_grid_is_read_from_beside_the_world_and_flown_over() {
+fn the_grid_beside_the_world_is_read_and_the_vehicle_flies_over_it() {
     let scenario = scenario(&mission()).unwrap();
     assert_eq!(
         scenario.grid.as_ref().map(|grid| (grid.columns(), grid.rows())),
@@ -108,7 +108,7 @@ fn a_plan_into_the_grids_bottom_is_refused_with_the_place() {
 
 /// Draws many worlds: no mission of the project may be refused for any seed.
 #[test]
-fn the_projects_missions_have_water_enough_whatever_the_seed() {
+fn the_projects_missions_have_enough_water_with_every_seed() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     for name in ["missions/isobath", "missions/plume", "tests/suite/missions/steady"] {
         let scenario = scenario(&root.join(name)).unwrap();

@@ -6,7 +6,7 @@ use std::path::Path;
 use backseat_mission::{Layers, Mission};
 use backseat_scenario::Scenario;
 
-/// A copy of the mission of the grid's tests with `world.toml` changed or left out, and with these lines added to
+/// A copy of the mission of the grid's tests with `world.toml` changed or removed, and with these lines added to
 /// `mission.toml`.
 fn mission(world: impl FnOnce(String) -> Option<String>, lines: &str) -> (tempfile::TempDir, Mission) {
     let original = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/charted");
@@ -25,7 +25,7 @@ fn mission(world: impl FnOnce(String) -> Option<String>, lines: &str) -> (tempfi
 }
 
 #[test]
-fn a_world_that_is_wrong_is_told_in_one_line_with_its_place() {
+fn an_invalid_world_is_reported_in_one_line_with_its_place() {
     let fault = |world: &str| {
         let (_folder, mission) = mission(|_| Some(world.to_owned()), "");
         let error = Scenario::load(&mission).unwrap_err().to_string();
@@ -39,7 +39,7 @@ fn a_world_that_is_wrong_is_told_in_one_line_with_its_place() {
 }
 
 #[test]
-fn a_mission_without_a_world_is_none_to_simulate() {
+fn a_mission_without_a_world_cannot_be_simulated() {
     let (_folder, mission) = mission(|_| None, "");
     assert!(Scenario::find(&mission).unwrap().is_none());
     let error = Scenario::load(&mission).unwrap_err().to_string();
@@ -50,7 +50,7 @@ fn a_mission_without_a_world_is_none_to_simulate() {
 }
 
 #[test]
-fn the_plan_is_the_files_then_the_missions_then_the_worlds() {
+fn the_plan_comes_from_the_given_file_then_the_mission_then_the_world() {
     let (folder, own) = mission(Some, "");
     let scenario = Scenario::load(&own).unwrap();
     assert_eq!(scenario.plan(&own, None).unwrap().behaviors.len(), 2);

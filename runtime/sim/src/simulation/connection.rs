@@ -9,7 +9,7 @@ use backseat_units::Timestamp;
 use crate::digest::Direction;
 use crate::simulation::{SimError, Simulation};
 
-/// A write that the vehicle has not acknowledged for so long ends the connection, as it does at sea.
+/// If the vehicle has not acknowledged a write for this long, the connection ends, as it does at sea.
 const UNACKNOWLEDGED_MAX: Duration = Duration::from_secs(2);
 
 impl Simulation {
@@ -55,7 +55,7 @@ impl Simulation {
         }
     }
 
-    /// The connection has ended without the runtime's doing; one that is stopped hears of it when it goes on.
+    /// The connection has ended, and not by the runtime. A stopped process learns of it when it goes on.
     pub(super) fn lose_link(&mut self) -> Result<(), SimError> {
         self.disconnect();
         if self.is_awake() {
@@ -76,7 +76,7 @@ impl Simulation {
         .min()
     }
 
-    /// What faults have held back goes on its way, or the connection is gone.
+    /// Releases what faults have held back, or ends the connection.
     pub(super) fn link_fault(&mut self) -> Result<(), SimError> {
         let now = self.now;
         let unacknowledged = self.gives_up().is_some_and(|at| now >= at);
@@ -116,7 +116,7 @@ impl Simulation {
         let mut buffer = std::mem::take(&mut self.scratch);
         while self.mvc.poll_transmit(&mut buffer).is_some() {
             self.digest.write(Direction::FromVehicle, self.now, &buffer);
-            // The judge sees what is on its way to us: what a fault has swallowed we could not know.
+            // The oracle sees only what is on its way to us, because we cannot know what a fault has swallowed.
             let (oracle, now) = (&mut self.oracle, self.now);
             self.to_payload
                 .write(now, &buffer, |bytes| oracle.vehicle_writes(now, bytes));
@@ -149,7 +149,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// The judge and the trace see the vehicle's step.
+    /// Shows the vehicle's true state to the oracle and to the trace.
     pub(super) fn look(&mut self) -> Result<(), SimError> {
         let truth: Truth = self.mvc.truth();
         if self.trace.truth(&truth)

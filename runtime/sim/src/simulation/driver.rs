@@ -1,4 +1,4 @@
-//! The driver of core: its inputs in, its outputs carried out.
+//! The driver of core: hands in its inputs and carries out its outputs.
 
 use backseat_core::plugin::RequestState;
 use backseat_core::{Input, Note, Operator, Output};
@@ -7,11 +7,11 @@ use crate::digest::Direction;
 use crate::simulation::process::Process;
 use crate::simulation::{SimError, Simulation};
 
-/// So many different reasons for rejections are told of.
+/// How many different reasons for rejections are reported.
 const REASONS_MAX: usize = 20;
 
 impl Simulation {
-    /// The run ends, and the runtime with it where it can still be told.
+    /// Ends the run. Also tells the runtime's process to stop, if it is awake.
     pub(super) fn stop(&mut self) -> Result<(), SimError> {
         self.finished = true;
         if self.is_awake() {
@@ -46,7 +46,7 @@ impl Simulation {
                 }
                 self.carry_out(output);
             }
-            // What the driver answers at once is an input like any other.
+            // An answer that the driver gives at once is an input like any other.
             let Some(process) = &mut self.process else {
                 return Ok(());
             };
@@ -71,7 +71,7 @@ impl Simulation {
         let now = self.now;
         let Some(process) = &mut self.process else { return };
         match output {
-            // What is written to a connection that is gone leaves nowhere.
+            // Bytes that are written to a connection that is gone go nowhere.
             Output::Send(_) if !self.connected => {}
             Output::Send(bytes) => {
                 self.digest.write(Direction::ToVehicle, now, &bytes);
@@ -83,14 +83,14 @@ impl Simulation {
             Output::ResetLink => process.reset = true,
             Output::Invoke(plugin, input) => process.step(now, plugin, &input),
             Output::Restart(plugin) => process.restart(now, plugin),
-            // Unanswered where nothing can be written: the runtime sends no insert without a reserved identifier.
+            // If nothing can be written, there is no answer: the runtime sends no insert without a reserved identifier.
             Output::Reserve(reservation) if !self.disk.full => {
                 self.disk.reservation = reservation;
                 process.reserved = Some(reservation);
             }
             Output::Reserve(_) => {}
             Output::Finish => self.finished = true,
-            // No external source runs in simulation: there is none to hear it.
+            // No external source runs in simulation, so nobody reads this.
             Output::External(..) => {}
             Output::Note(note) => self.note(&note),
         }
@@ -98,7 +98,7 @@ impl Simulation {
 
     fn note(&mut self, note: &Note) {
         if let Note::Operator { act } = note {
-            // Also where a policy or a mission command holds for the operator.
+            // This also covers a hold by a policy or a mission command.
             self.tell_oracle(act);
             self.keep(act);
         }
@@ -110,7 +110,7 @@ impl Simulation {
         if let Note::Request(transition) = note
             && let RequestState::Rejected(refusal) = &transition.state
         {
-            // Reasons that differ in their figures alone are one; the first of them is told.
+            // Reasons that differ only in their figures count as one; the first of them is reported.
             let kind = (refusal.rule(), refusal.summary());
             let full = self.reasons.len() >= REASONS_MAX;
             match self.reasons.get_mut(&kind) {
@@ -125,7 +125,7 @@ impl Simulation {
         self.trace.note(self.now, note, position);
     }
 
-    /// Hold and release outlive the process, whoever said them.
+    /// A hold and a release outlive the process, whoever ordered them.
     pub(super) fn keep(&mut self, act: &Operator) {
         match act {
             Operator::Hold => self.disk.held = true,

@@ -12,15 +12,16 @@ use backseat_units::Utc;
 use crate::simulation::process::{Answer, Process, Successor};
 use crate::simulation::{SimError, Simulation, add};
 
-/// What a connection holds for a process that does not read. Beyond it the vehicle's end gives up.
+/// How many bytes a connection holds for a process that does not read. With more than that, the vehicle gives the
+/// connection up.
 const PILED_MAX: usize = 1 << 20;
-/// What a process reads at once.
+/// How many bytes a process reads at once.
 const READ: usize = 64 * 1024;
 
 impl Simulation {
-    /// Something goes wrong from now on, whatever `fault.at` says, for as long as it lasts: with the vehicle, or with
-    /// the link, the connection that is there included. The rest of the run is as if the fault had been in the plan
-    /// from the beginning.
+    /// Injects a fault of the vehicle or of the link, which begins now, whatever `fault.at` says, and has its own
+    /// duration. A fault of the link also affects the connection that is open. The rest of the run is as if the fault
+    /// had been in the plan from the beginning.
     pub fn inject(&mut self, fault: Fault) {
         let fault = Fault { at: self.now, ..fault };
         if let FaultKind::Link(_) = fault.kind {
@@ -37,12 +38,13 @@ impl Simulation {
         self.or_later(told);
     }
 
-    /// The runtime's process is killed now, without a last word: the system resets its connection. After `away` another
-    /// begins, with `loaded` as its plugins and nothing in memory. What is on the disk it finds: the SPI identifiers that
-    /// were reserved, all of which may have been used, and the operator's hold, but not one that was said while the process
-    /// was stopped. Its clock's UTC is wrong by `clock_step_ns`, and its attempts to connect are spread by another chance.
+    /// Kills the runtime's process now, without a last message: the operating system resets its connection. After
+    /// `away` another process begins, with `loaded` as its plugins and nothing in memory. It finds what is on the disk:
+    /// the SPI identifiers that were reserved, all of which may have been used, and the operator's hold, but not a hold
+    /// that was ordered while the process was stopped. Its clock's UTC is wrong by `clock_step_ns`, and the random
+    /// pauses between its attempts to connect are different.
     ///
-    /// A process that is not there again is not begun before `away` is over.
+    /// If no process runs now, the next one begins when `away` is over, and not earlier.
     pub fn kill(&mut self, away: Duration, loaded: Loaded, clock_step_ns: i64) {
         if self.finished {
             return;
@@ -53,7 +55,7 @@ impl Simulation {
         self.oracle.runtime_stopped(self.now);
         if let Some(process) = self.process.take() {
             add(&mut self.counts_before, process.core.request_counts());
-            // A signal that it has not handled goes with it.
+            // An act of the operator that it has not handled is lost with it.
             if process.stopped.is_some_and(|stopped| !stopped.acts.is_empty()) {
                 self.oracle.operator(self.now, self.disk.held);
             }
@@ -65,9 +67,10 @@ impl Simulation {
         });
     }
 
-    /// The runtime's process is stopped (SIGSTOP) for so long: the system keeps its connection and acknowledges what
-    /// arrives, up to a mebibyte, beyond which the vehicle gives the connection up; nothing is handled, and no plugin
-    /// goes on. Then it handles all of it, late: its timers first, then what the operator has done, then what it reads.
+    /// Stops the runtime's process (SIGSTOP) for `pause`. The operating system keeps its connection and acknowledges
+    /// what arrives, up to a mebibyte; with more than that, the vehicle gives the connection up. Nothing is handled,
+    /// and no plugin goes on. After the pause the process handles all of it, late: its timers first, then what the
+    /// operator has done, then what it reads. Depending on the time and the seed, it may also begin with what it reads.
     pub fn stop_for(&mut self, pause: Duration) {
         if self.finished {
             return;
@@ -80,8 +83,9 @@ impl Simulation {
         self.or_later(told);
     }
 
-    /// The operator acts. A process that is stopped hears of it when it goes on, and not if it is killed before; while there
-    /// is none, a hold or a release is kept for the next one, and the rest is lost. [`Operator::Stop`] ends the run.
+    /// Acts as the operator. A stopped process learns of the act when it goes on, and never if it is killed before.
+    /// While there is no process, a hold or a release is kept for the next one, and any other act is lost.
+    /// [`Operator::Stop`] ends the run.
     pub fn operate(&mut self, act: Operator) {
         if self.finished {
             return;
@@ -99,20 +103,22 @@ impl Simulation {
         }
     }
 
-    /// From now on a plugin's steps and restarts are those of an understudy; without one, its own again. Core is told
-    /// nothing, a step under way still returns, and a killed process takes its understudies along.
+    /// From now on an understudy does a plugin's steps and restarts; with `None`, the plugin does them itself again.
+    /// Core does not learn of it, a step that is under way still returns, and a process that is killed loses its
+    /// understudies.
     pub fn substitute(&mut self, slot: PluginId, understudy: Option<Plugin>) {
         if let Some(process) = &mut self.process {
             process.substitute(slot, understudy);
         }
     }
 
-    /// Whether SPI identifiers can no longer be reserved, as on a full disk: the runtime's asking is not answered.
+    /// Sets whether SPI identifiers can no longer be reserved, as on a full disk: the runtime's requests for them then
+    /// get no answer.
     pub fn reserve_fails(&mut self, fails: bool) {
         self.disk.full = fails;
     }
 
-    /// The judge knows the operator's hold from whoever acts: no byte shows it.
+    /// Tells the oracle about the operator's hold, which no byte on the link shows.
     pub(super) fn tell_oracle(&mut self, act: &Operator) {
         match act {
             Operator::Hold => self.oracle.operator(self.now, true),
@@ -121,7 +127,7 @@ impl Simulation {
         }
     }
 
-    /// Whether there is a process that handles what comes.
+    /// Whether there is a process that is not stopped.
     pub(super) fn is_awake(&self) -> bool {
         self.process.as_ref().is_some_and(|process| process.stopped.is_none())
     }
@@ -150,7 +156,7 @@ impl Simulation {
         }
     }
 
-    /// Bytes come to a process that does not read. False where there is no more room.
+    /// Bytes come to a process that does not read. Returns false if there is no more room.
     pub(super) fn pile_up(&mut self, bytes: &[u8]) -> bool {
         let Some(stopped) = self.process.as_mut().and_then(|process| process.stopped.as_mut()) else {
             return true;
@@ -169,8 +175,8 @@ impl Simulation {
         }
     }
 
-    /// Core's timers, the operator, the connection, in the order of the driver at sea; or the connection first, as another
-    /// driver may have it.
+    /// A stopped process goes on. It handles core's timers, the operator and the connection, in the order of the driver
+    /// at sea; or the connection first, as another driver might.
     fn go_on(&mut self) -> Result<(), SimError> {
         let now = self.now;
         let Some(process) = &mut self.process else {
@@ -181,7 +187,7 @@ impl Simulation {
         };
         let due = process.is_due(now);
         self.oracle.runtime_continued(now);
-        self.remark("the runtime goes on")?;
+        self.remark("the runtime continues")?;
         let connection_first = ((now.as_nanos() / 1_000_000) ^ self.seed) & 1 == 1;
         if due && !connection_first {
             self.feed(Input::Timeout)?;
@@ -192,7 +198,7 @@ impl Simulation {
             }
         }
         for read in stopped.piled.chunks(READ) {
-            // It may have reset the connection by itself meanwhile: what waited is thrown away with it.
+            // The process may have reset the connection by itself in the meantime. What waited is then lost with it.
             if self.is_linked() {
                 self.feed(Input::Received(read))?;
             }
@@ -232,11 +238,11 @@ impl Simulation {
         let (settings, envelope) = (self.settings.clone(), self.envelope.clone());
         self.process = Some(Process::new(now, settings, envelope, successor.loaded, start));
         self.oracle.runtime_started(now);
-        self.remark("the runtime has begun anew")?;
+        self.remark("the runtime has started again")?;
         self.drain_core()
     }
 
-    /// A line of the run's own in the log.
+    /// Writes a line of the simulation itself into the log.
     fn remark(&mut self, text: &str) -> Result<(), SimError> {
         if let Some(recorder) = &mut self.recorder {
             let text = text.to_owned();
@@ -245,7 +251,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// A failure where none can be returned is that of the next step.
+    /// Keeps an error that cannot be returned here for the next step.
     fn or_later(&mut self, result: Result<(), SimError>) {
         if let Err(failed) = result {
             self.failed.get_or_insert(failed);

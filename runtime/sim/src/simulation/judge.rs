@@ -6,7 +6,7 @@ use backseat_units::Timestamp;
 
 use crate::link::DELAY_MAX;
 
-/// The oracle, which knows none of our types: this is the only place where they become its own.
+/// The oracle. It knows none of our types, and this is the only place that converts them into its own.
 pub(super) struct Judge(Oracle);
 
 impl Judge {
@@ -54,7 +54,7 @@ impl Judge {
         self.0.arrived(at.as_nanos(), bytes);
     }
 
-    /// The vehicle's truth, and how far from it is what it believes.
+    /// Passes on the vehicle's true state, and how far from it the vehicle's belief is.
     pub(super) fn truth(&mut self, truth: &Truth) {
         let activity = match truth.activity {
             Activity::Plan { .. } => backseat_oracle::Activity::Plan,
@@ -90,7 +90,7 @@ impl Judge {
     }
 }
 
-/// What a mission allows, in the oracle's own terms; the link delays nothing.
+/// What a mission allows, in the oracle's own terms, for a link without delay.
 pub(crate) fn limits(mission: &MissionFile) -> Limits {
     let limits = &mission.limits;
     let station = limits.station.as_ref();

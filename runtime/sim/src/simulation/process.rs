@@ -7,10 +7,10 @@ use backseat_plugin_host::Plugin;
 use backseat_plugin_loader::Loaded;
 use backseat_units::{Position, Timestamp};
 
-/// A nanosecond for a unit of fuel: what a core of these years burns, nearly.
+/// A unit of fuel takes a nanosecond, which is close to what a present-day processor needs.
 const FUEL_PER_SECOND: u64 = 1_000_000_000;
 
-/// A process of the runtime: all that is gone when it is killed.
+/// A process of the runtime: everything that is gone when it is killed.
 pub(super) struct Process {
     pub(super) core: Core,
     /// When it began. Its own clock counts from there.
@@ -26,7 +26,7 @@ pub(super) struct Process {
     recorded_navigation: Option<Timestamp>,
 }
 
-/// A plugin, and who stands in for it.
+/// A plugin, and the other plugin that stands in for it.
 struct Slot {
     plugin: Plugin,
     understudy: Option<Plugin>,
@@ -38,10 +38,10 @@ pub(super) enum Answer {
     Restarted(Restarted),
 }
 
-/// A process that a signal has stopped: what waits for it.
+/// What waits for a process that a signal has stopped.
 pub(super) struct Stopped {
     pub(super) until: Timestamp,
-    /// Bytes that the system has taken from the connection.
+    /// Bytes that the operating system has taken from the connection.
     pub(super) piled: Vec<u8>,
     pub(super) acts: Vec<Operator>,
     /// The connection has ended.
@@ -124,7 +124,7 @@ impl Process {
         self.core.handle(own, input);
     }
 
-    /// The first of the answers that are due first.
+    /// Removes and returns the answer that is due first. Of several that are due at once, the oldest.
     pub(super) fn next_answer(&mut self) -> Option<(PluginId, Answer)> {
         let first = self.answers.iter().enumerate().min_by_key(|(_, (at, _, _))| *at)?.0;
         let (_, plugin, answer) = self.answers.remove(first);
@@ -154,7 +154,7 @@ impl Process {
         }
     }
 
-    /// A signal stops it, the threads of its plugins too, until then.
+    /// A signal stops the process, with the threads of its plugins, until `until`.
     pub(super) fn stop(&mut self, now: Timestamp, until: Timestamp) {
         let stopped_until = self.stopped.as_ref().map_or(now, |stopped| stopped.until);
         let longer = until.since(stopped_until);
@@ -176,7 +176,7 @@ impl Process {
         self.core.poll_timeout().is_some_and(|at| at <= own)
     }
 
-    /// Navigation as the monitor has it, where it is newer than when this was asked last.
+    /// The monitor's newest navigation, if it has changed since the last call.
     pub(super) fn new_navigation(&mut self) -> Option<&NavigationSample> {
         let sample = self.core.navigation()?;
         if self.recorded_navigation == Some(sample.solution) {
@@ -192,7 +192,7 @@ impl Process {
 }
 
 impl Slot {
-    /// Who answers for the plugin now.
+    /// The plugin that answers now: its understudy, if there is one.
     fn flown(&mut self) -> &mut Plugin {
         self.understudy.as_mut().unwrap_or(&mut self.plugin)
     }

@@ -8,7 +8,7 @@ use backseat_mvc::{Fault, FaultPlan};
 
 use crate::flight::{Flight, NO_VIOLATION, SECOND, at, understudy};
 
-/// A fault of each kind, `kind = ..., key = ...`, at an instant at which nothing else is due.
+/// A fault of each kind, by its keys in a plan. Each begins at an instant at which nothing else is due.
 const FAULTS: [&str; 20] = [
     "kind = \"link_cut\"; for_s = 3",
     "kind = \"refuse\"; for_s = 3",
@@ -64,7 +64,7 @@ fn injected(faults: &[&str]) -> Flight {
         .substitute(SECOND, Some(understudy("cross_fence")));
     flight.until(BEGINS_S);
     for text in faults {
-        // Its own time does not count.
+        // The fault's own time does not count.
         let fault = Fault {
             at: at(1.0),
             ..fault(text)
@@ -75,7 +75,7 @@ fn injected(faults: &[&str]) -> Flight {
 }
 
 #[test]
-fn a_fault_that_is_injected_is_one_that_was_planned() {
+fn an_injected_fault_acts_like_a_planned_one() {
     let fly = |mut flight: Flight| {
         flight.towards(80.0);
         flight.end().0
@@ -93,7 +93,7 @@ fn a_fault_that_is_injected_is_one_that_was_planned() {
 }
 
 #[test]
-fn several_that_begin_at_once_are_those_of_a_plan_in_that_order() {
+fn several_injected_faults_act_like_those_of_a_plan_in_that_order() {
     let faults = [FAULTS[5], FAULTS[7], FAULTS[9], FAULTS[10], FAULTS[11], FAULTS[16]];
     let (planned, injected) = (planned(&faults).land().0, injected(&faults).land().0);
     assert_eq!(planned.digest, injected.digest);
@@ -124,14 +124,14 @@ fn a_silent_loss_of_what_we_send_resets_the_connection_after_two_seconds() {
         .sim
         .inject(fault("kind = \"half_open\"; for_s = 30; direction = \"to_vehicle\""));
     let lost_from = flight.sim.now();
-    // The pilot's refresh comes each second: the first that is lost is a second old at most by then.
+    // The pilot refreshes each second, so the first lost refresh leaves within a second after the loss has begun.
     let reset = flight.until_it(|sim| !sim.is_steering());
     let after = reset.since(lost_from);
     assert!(
         (Duration::from_secs(1)..Duration::from_millis(3100)).contains(&after),
         "{after:?}"
     );
-    // Each new connection is lost in the same way, until one stays.
+    // Each new connection is reset in the same way, until the loss is over.
     flight.until(90.0);
     assert!(flight.sim.statistics().connections > 3);
     flight.until_it(|sim| sim.is_steering());
@@ -140,7 +140,7 @@ fn a_silent_loss_of_what_we_send_resets_the_connection_after_two_seconds() {
 }
 
 #[test]
-fn a_silent_loss_that_is_over_by_then_resets_nothing() {
+fn a_silent_loss_of_under_two_seconds_resets_nothing() {
     let mut flight = Flight::new(1);
     flight.until(60.0);
     flight
@@ -150,8 +150,8 @@ fn a_silent_loss_that_is_over_by_then_resets_nothing() {
     assert_eq!(flight.sim.statistics().connections, 1);
 }
 
-/// Where the vehicle repeats BFCTL and BFMIS to who subscribes: a new connection brings control back though its first
-/// words are lost, because what is not acknowledged is subscribed again.
+/// The vehicle repeats BFCTL and BFMIS to a client that subscribes. So a new connection brings control back although
+/// its first messages are lost: the runtime subscribes again to what is not acknowledged.
 #[test]
 fn control_comes_back_with_a_new_subscription() {
     let mut flight = Flight::new(1);

@@ -48,7 +48,7 @@ pub(crate) fn mission() -> &'static Mission {
     &hangar().mission
 }
 
-/// The same, but a behavior begins every 20 s, and the vehicle refuses each trackline.
+/// The same mission, but a behavior begins every 20 s, and the vehicle refuses each trackline.
 fn in_legs() -> &'static (Mission, Scenario) {
     static LEGS: OnceLock<(Mission, Scenario)> = OnceLock::new();
     LEGS.get_or_init(|| {
@@ -66,15 +66,15 @@ pub(crate) fn crew() -> Loaded {
 
 /// The plugin that steers.
 pub(crate) const PILOT: PluginId = PluginId(0);
-/// The one that may ask for inserts, and does so where an understudy does.
+/// The plugin that may ask for inserts. It asks only while a substitute runs in its slot.
 pub(crate) const SECOND: PluginId = PluginId(1);
 
-/// The faulty plugin with a fault, or with `cross_fence` one that asks each second for a line inside the fence.
+/// The faulty plugin with this fault. With `cross_fence` it asks each second for a line, which lies inside this fence.
 pub(crate) fn understudy(fault: &str) -> Plugin {
     started(fault, false)
 }
 
-/// One whose tracklines do not interrupt.
+/// The same, but its tracklines do not interrupt.
 pub(crate) fn patient_understudy(fault: &str) -> Plugin {
     started(fault, true)
 }
@@ -107,49 +107,49 @@ impl Flight {
         Self { sim }
     }
 
-    /// One in which a process that connects later soon hears a behavior begin.
+    /// A run in which a process that connects later soon learns that a behavior begins.
     pub(crate) fn in_legs(seed: u64) -> Self {
         let (mission, scenario) = in_legs();
         let sim = Simulation::new(mission, scenario, seed, crew(), None).unwrap();
         Self { sim }
     }
 
-    /// Goes on to a time, or to an end before it.
+    /// Runs to a time, or to the end of the mission if that is earlier.
     pub(crate) fn towards(&mut self, seconds: f64) -> &mut Self {
         while self.sim.advance_until(at(seconds)).unwrap() == Step::Went {}
         self
     }
 
-    /// Goes on to a time.
+    /// Runs to a time.
     pub(crate) fn until(&mut self, seconds: f64) -> &mut Self {
         self.towards(seconds);
-        assert_eq!(self.sim.now(), at(seconds), "the run ended before");
+        assert_eq!(self.sim.now(), at(seconds), "the run ended too early");
         self
     }
 
-    /// Goes on until something holds. When that was.
+    /// Runs until the condition holds, and returns when that was.
     pub(crate) fn until_it(&mut self, holds: impl Fn(&Simulation) -> bool) -> Timestamp {
         while !holds(&self.sim) {
             let step = self.sim.advance_until(Timestamp::MAX).unwrap();
-            assert_eq!(step, Step::Went, "it never came");
+            assert_eq!(step, Step::Went, "the run ended before the condition held");
         }
         self.sim.now()
     }
 
-    /// Goes on to the end of the mission.
+    /// Runs to the end of the mission.
     pub(crate) fn land(mut self) -> (Report, Trace) {
         self.sim.run(|_| {}).unwrap();
         self.end()
     }
 
-    /// The run ends here.
+    /// Ends the run here.
     pub(crate) fn end(self) -> (Report, Trace) {
         let (report, trace, _) = self.sim.finish().unwrap();
         (report, trace)
     }
 }
 
-/// Whether the vehicle is under a modify, by its own truth.
+/// Whether the vehicle truly flies a modify.
 pub(crate) fn is_modified(sim: &Simulation) -> bool {
     matches!(sim.truth().activity, Activity::Modified { .. })
 }

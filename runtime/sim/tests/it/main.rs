@@ -1,4 +1,4 @@
-//! What is done to a run from outside.
+//! What a test does to a run from outside.
 
 mod faults;
 mod flight;

@@ -19,7 +19,7 @@ fn components_are_compiled_once_and_every_run_begins_afresh() {
 }
 
 #[test]
-fn sr_006_an_understudy_that_traps_is_a_failure_of_its_place_alone() {
+fn sr_006_a_substitute_that_traps_is_a_failure_of_its_slot_only() {
     let mut flight = Flight::new(1);
     flight.until(60.0);
     flight.sim.substitute(SECOND, Some(understudy("trap")));
@@ -27,7 +27,7 @@ fn sr_006_an_understudy_that_traps_is_a_failure_of_its_place_alone() {
     flight.until(90.0);
     flight.sim.substitute(SECOND, None);
     flight.until(150.0);
-    // The pilot's lease has stood all the time.
+    // The pilot's lease has gone on all the time.
     assert_eq!(flight.sim.statistics().leases, leases);
     assert!(flight.sim.is_steering());
     let (report, _) = flight.land();
@@ -36,12 +36,12 @@ fn sr_006_an_understudy_that_traps_is_a_failure_of_its_place_alone() {
 }
 
 #[test]
-fn its_own_plugin_takes_over_again() {
+fn the_original_plugin_takes_over_again() {
     let mut flight = Flight::new(1);
     flight.until(60.0);
     assert!(flight.sim.is_steering());
     flight.sim.substitute(PILOT, Some(understudy("nan")));
-    // A lease stands for five seconds without being asked for again.
+    // A lease goes on for five seconds without another request.
     flight.until(66.5);
     assert!(!flight.sim.is_steering());
     flight.sim.substitute(PILOT, None);

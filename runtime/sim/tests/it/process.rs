@@ -52,7 +52,7 @@ fn sr_009_a_new_process_uses_no_identifier_of_the_old_ones() {
     }
     assert!(
         sent.is_sorted_by(|before, after| before < after),
-        "each has sent some: {sent:?}"
+        "each process has sent some: {sent:?}"
     );
     let (report, trace) = flight.end();
     let identifiers = identifiers(&trace);
@@ -60,7 +60,7 @@ fn sr_009_a_new_process_uses_no_identifier_of_the_old_ones() {
     let mut once = identifiers.clone();
     once.sort_unstable();
     once.dedup();
-    assert_eq!(once, identifiers, "each once, and later ones are greater");
+    assert_eq!(once, identifiers, "each identifier occurs once, in rising order");
     assert_eq!(report.violations, NO_VIOLATION);
 }
 
@@ -78,7 +78,7 @@ fn sr_010_a_new_process_interrupts_nothing_while_an_insert_of_an_old_one_may_be_
 }
 
 #[test]
-fn a_kill_is_the_same_again() {
+fn a_run_with_a_kill_is_reproducible() {
     let fly = |step_ns| {
         let mut flight = Flight::new(3);
         flight.until(50.0).sim.kill(seconds(5), crew(), step_ns);
@@ -89,7 +89,7 @@ fn a_kill_is_the_same_again() {
 }
 
 #[test]
-fn killed_again_before_it_is_there_it_stays_away() {
+fn a_process_killed_again_before_its_restart_stays_away() {
     let mut flight = Flight::new(1);
     flight.until(50.0).sim.kill(seconds(10), crew(), 0);
     flight.until(55.0).sim.kill(seconds(30), crew(), 0);
@@ -100,7 +100,7 @@ fn killed_again_before_it_is_there_it_stays_away() {
 }
 
 #[test]
-fn sr_003_the_lease_is_ended_first_thing_when_a_stopped_runtime_goes_on() {
+fn sr_003_a_stopped_runtime_ends_its_lease_first_when_it_goes_on() {
     let mut flight = Flight::new(1);
     flight.until(60.3);
     let before = flight.sim.statistics();
@@ -108,14 +108,17 @@ fn sr_003_the_lease_is_ended_first_thing_when_a_stopped_runtime_goes_on() {
     flight.until(63.299);
     let stopped = flight.sim.statistics();
     assert_eq!(stopped.sentences_to_vehicle, before.sentences_to_vehicle);
-    assert!(stopped.navigations > before.navigations + 25, "the vehicle talks on");
+    assert!(
+        stopped.navigations > before.navigations + 25,
+        "the vehicle goes on sending"
+    );
     flight.until(63.3);
     let after = flight.sim.statistics();
     assert_eq!(
         (after.end_modifies, after.modifies),
         (before.end_modifies + 1, before.modifies)
     );
-    // Its connection has lived through it.
+    // The connection has survived the stop.
     flight.until_it(|sim| sim.is_steering());
     let (report, _) = flight.land();
     assert_eq!(report.seen.connections, 1);
@@ -123,12 +126,12 @@ fn sr_003_the_lease_is_ended_first_thing_when_a_stopped_runtime_goes_on() {
 }
 
 #[test]
-fn sr_007_a_stop_that_is_longer_than_the_vehicles_patience_lapses_the_modify() {
+fn sr_007_during_a_long_stop_the_modify_lapses() {
     let mut flight = Flight::new(1);
     flight.until(60.0).sim.stop_for(seconds(30));
     let lapsed = flight.until_it(|sim| !is_modified(sim));
     assert!(lapsed <= at(65.1), "{lapsed}");
-    // A longer one holds.
+    // The longer of two stops counts.
     flight.sim.stop_for(seconds(1));
     flight.until(89.9);
     assert!(!is_modified(&flight.sim));
@@ -137,7 +140,7 @@ fn sr_007_a_stop_that_is_longer_than_the_vehicles_patience_lapses_the_modify() {
 }
 
 #[test]
-fn a_short_stop_is_lived_through() {
+fn a_short_stop_keeps_the_lease() {
     let mut flight = Flight::new(1);
     flight.until(60.0);
     let before = flight.sim.statistics().end_modifies;
@@ -148,7 +151,7 @@ fn a_short_stop_is_lived_through() {
 }
 
 #[test]
-fn a_connection_that_ends_during_a_stop_is_found_ended() {
+fn a_connection_that_ends_during_a_stop_is_noticed_afterwards() {
     let cut = backseat_mvc::FaultPlan::from_toml("[[fault]]\nkind = \"link_cut\"\nat_s = 61\nfor_s = 0.5\n").unwrap();
     let mut flight = Flight::new(1);
     flight.sim.set_faults(cut);
@@ -157,7 +160,7 @@ fn a_connection_that_ends_during_a_stop_is_found_ended() {
     let before = flight.sim.statistics();
     assert_eq!(before.connections, 1);
     flight.until(63.0);
-    // Nothing leaves by a connection that is gone.
+    // Nothing leaves on a connection that is gone.
     assert_eq!(
         flight.sim.statistics().sentences_to_vehicle,
         before.sentences_to_vehicle
@@ -177,7 +180,7 @@ fn a_stopped_runtime_can_be_killed() {
 }
 
 #[test]
-fn sr_015_a_hold_outlives_the_process_and_reaches_one_that_is_stopped() {
+fn sr_015_a_hold_survives_the_process_and_reaches_a_stopped_one() {
     let mut flight = Flight::new(1);
     flight.until(60.0).sim.operate(Operator::Hold);
     assert!(!flight.sim.is_steering());
@@ -187,7 +190,7 @@ fn sr_015_a_hold_outlives_the_process_and_reaches_one_that_is_stopped() {
     flight.sim.operate(Operator::Release);
     flight.until_it(|sim| sim.is_steering());
 
-    // While it is away, the file is read by the next one.
+    // While no process runs, a hold is kept in its file, and the next process reads it.
     let now = flight.sim.now().as_secs_f64();
     flight.sim.kill(seconds(3), crew(), 0);
     flight.sim.operate(Operator::Hold);
@@ -206,7 +209,7 @@ fn sr_015_a_hold_outlives_the_process_and_reaches_one_that_is_stopped() {
 }
 
 #[test]
-fn a_signal_to_a_process_that_is_killed_before_it_hears_is_lost_and_nobody_holds_that_against_the_next() {
+fn a_signal_lost_with_a_killed_process_is_no_violation_of_the_next_one() {
     let mut flight = Flight::new(1);
     flight.until(60.0).sim.stop_for(seconds(1000));
     flight.sim.operate(Operator::Hold);
@@ -216,10 +219,10 @@ fn a_signal_to_a_process_that_is_killed_before_it_hears_is_lost_and_nobody_holds
 }
 
 #[test]
-fn sr_009_on_a_full_disk_no_insert_is_sent_until_there_is_room_and_the_lease_stands() {
+fn sr_009_on_a_full_disk_no_insert_is_sent_until_there_is_room_and_the_lease_goes_on() {
     let mut flight = Flight::in_legs(1);
     flight.sim.reserve_fails(true);
-    // The first block was reserved at once; the next process finds the disk full.
+    // The first process has reserved its first block at once; the next one finds the disk full.
     flight.until(20.0).sim.kill(seconds(1), crew(), 0);
     flight.until(30.0);
     flight.sim.substitute(SECOND, Some(patient_understudy("cross_fence")));
@@ -234,7 +237,7 @@ fn sr_009_on_a_full_disk_no_insert_is_sent_until_there_is_room_and_the_lease_sta
 }
 
 #[test]
-fn understudies_die_with_the_process() {
+fn substitutes_end_with_the_process() {
     let mut flight = Flight::new(1);
     flight.until(60.0).sim.substitute(PILOT, Some(understudy("error")));
     flight.until(70.0);

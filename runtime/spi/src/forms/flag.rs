@@ -65,7 +65,7 @@ mod tests {
     use crate::forms::read;
 
     #[test]
-    fn only_what_is_clear_is_taken_for_a_flag() {
+    fn only_a_clear_flag_is_read() {
         assert_eq!((read::<Flag>("1"), read::<Flag>(" 00 ")), (Ok(true), Ok(false)));
         assert_eq!((read::<OnOff>("ON"), read::<OnOff>("OFF")), (Ok(true), Ok(false)));
         for bad in ["", "2", "-1", "true", "ON", "1.0", "on", "Off"] {

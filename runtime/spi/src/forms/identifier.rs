@@ -16,7 +16,8 @@ impl Field for CommandName {
             reader.skip(3);
             return Ok(letters);
         }
-        Self::new(reader.text()?.trim_ascii()).map_err(|_| Fault::expected("three upper-case letters, or BP and three"))
+        Self::new(reader.text()?.trim_ascii())
+            .map_err(|_| Fault::expected("three upper-case letters, or BP and three letters"))
     }
 
     fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
@@ -52,7 +53,7 @@ impl Field for BehaviorId {
     }
 }
 
-/// An identifier that may be absent: read as none where it is 0 or empty.
+/// Reads an identifier that may be absent: 0 or an empty field is `None`.
 fn optional_identifier(reader: &mut Reader<'_>) -> Result<Option<BehaviorId>, Fault> {
     let identifier = Optional::<BehaviorId>::decode(reader)?;
     Ok(identifier.filter(|identifier| identifier.get() != 0))
@@ -71,7 +72,7 @@ fn write_optional_identifier(identifier: Option<BehaviorId>, none: &str, writer:
     }
 }
 
-/// An identifier that may be absent, then written as 0, as real acknowledgements have it.
+/// An identifier that may be absent. `None` is written as 0, as in real acknowledgements.
 pub(crate) struct IdentifierOrZero;
 
 impl Field for IdentifierOrZero {
@@ -95,7 +96,7 @@ impl Field for IdentifierOrZero {
     }
 }
 
-/// An identifier that may be absent, then written empty (SPI 6.9).
+/// An identifier that may be absent. `None` is written as an empty field (SPI 6.9).
 pub(crate) struct IdentifierOrEmpty;
 
 impl Field for IdentifierOrEmpty {
@@ -123,7 +124,7 @@ mod tests {
     use crate::forms::{read, written};
 
     #[test]
-    fn no_identifier_is_zero_or_empty_and_never_a_number() {
+    fn an_absent_identifier_is_zero_or_empty_and_never_a_number() {
         assert_eq!(read::<IdentifierOrZero>("0,"), Ok(None));
         assert_eq!(read::<IdentifierOrEmpty>(","), Ok(None));
         assert_eq!(read::<IdentifierOrZero>("1001"), Ok(Some(BehaviorId::new(1001))));

@@ -6,7 +6,7 @@ use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
 use crate::forms::Optional;
 
-/// Plain numbers, at most `D` decimals written. The unit is in the field's name.
+/// A plain number, written with at most `D` decimals. The unit is in the field's name.
 pub(crate) struct Decimal<const D: u8>;
 
 impl<const D: u8> Field for Decimal<D> {
@@ -29,7 +29,7 @@ impl<const D: u8> Field for Decimal<D> {
     }
 }
 
-/// Whole numbers.
+/// A whole number.
 impl Field for u32 {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["x"];
@@ -50,7 +50,7 @@ impl Field for u32 {
     }
 }
 
-/// Whole numbers that may be negative.
+/// A whole number that may be negative.
 impl Field for i32 {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["x"];
@@ -71,7 +71,7 @@ impl Field for i32 {
     }
 }
 
-/// How far a camera moves, tenths of a second of movement (SPI 8.10).
+/// A camera's movement, tenths of a second (SPI 8.10).
 pub(crate) struct Nine;
 
 impl Nine {
@@ -103,8 +103,8 @@ impl Field for Nine {
     }
 }
 
-/// A share in percent. Read as it comes, for a battery that reports 100.4 has more to say than that; written within
-/// 0 to 100.
+/// A percentage. Any value is read, because a battery that reports 100.4 reports other values too; only 0 to 100 is
+/// written.
 pub(crate) struct Percent;
 
 impl Field for Percent {
@@ -120,7 +120,7 @@ impl Field for Percent {
         if (0.0..=100.0).contains(value) {
             writer.decimal(*value, 3)
         } else {
-            Err(Fault::expected("a share from 0 to 100"))
+            Err(Fault::expected("a percentage from 0 to 100"))
         }
     }
 
@@ -136,7 +136,7 @@ impl Field for CircleEntry {
     const RANGE: &'static str = "any";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
-        // Only the interrupt code follows: where one field is left, it is that.
+        // Only the interrupt code follows. If one field is left, it is that code.
         if reader.remaining() <= 1 {
             return Ok(Self::Absent);
         }
@@ -164,7 +164,7 @@ impl Field for CircleEntry {
     }
 }
 
-/// Multiples of a decimal place, which the wire keeps exactly.
+/// Multiples of a decimal place, which are written exactly.
 #[cfg(test)]
 pub(super) fn decimals(min: i64, max: i64, places: u8) -> BoxedStrategy<f64> {
     (min..=max)
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_moves_nine_tenths_at_most_and_a_battery_may_say_more_than_all() {
+    fn a_camera_moves_at_most_nine_tenths_and_a_battery_may_report_over_100_percent() {
         assert_eq!((read::<Nine>("-9"), read::<Nine>("9")), (Ok(-9), Ok(9)));
         assert!(read::<Nine>("10").is_err() && written::<Nine>(&-10).is_err());
         assert_eq!(read::<Percent>("100.4"), Ok(100.4));
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn an_entry_angle_is_there_where_more_than_the_interrupt_code_is_left() {
+    fn an_entry_angle_is_read_if_more_than_the_interrupt_code_is_left() {
         assert_eq!(read::<CircleEntry>("180.0,4"), Ok(CircleEntry::Angle(180.0)));
         assert_eq!(read::<CircleEntry>(",4"), Ok(CircleEntry::Anywhere));
         assert_eq!(read::<CircleEntry>("4"), Ok(CircleEntry::Absent));

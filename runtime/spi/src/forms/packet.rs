@@ -8,8 +8,8 @@ use crate::forms::OrDefault;
 use crate::hex;
 use crate::packet::{FrameData, ReceivedFrame};
 
-/// The number of a packet's frames. Written as 1 to 8; 0 is read too, for a report of nothing must not be lost, but
-/// never more than there are places for frames.
+/// The number of a packet's frames. Only 1 to 8 is written. 0 is read too, because a report without frames must not be
+/// lost; more than there are places for frames is refused.
 pub(crate) struct FrameCount;
 
 impl Field for FrameCount {
@@ -39,7 +39,7 @@ impl Field for FrameCount {
 
 const NOT_A_COUNT: Fault = Fault::expected("a number of frames from 1 to 8");
 
-/// The eight places for received frames, each a status and data. Places at the end may be left out.
+/// The eight places for received frames, each with a status and data. Places at the end may be missing.
 pub(crate) struct ReceivedFrames;
 
 impl Field for ReceivedFrames {
@@ -78,7 +78,7 @@ impl Field for ReceivedFrames {
     }
 }
 
-/// The number of frames and the eight places for them. Places at the end may be left out.
+/// The number of frames and the eight places for them. Places at the end may be missing.
 impl Field for FrameData {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["x", "hex", "hex", "hex", "hex", "hex", "hex", "hex", "hex"];
@@ -117,7 +117,7 @@ impl Field for FrameData {
     }
 }
 
-/// The data of one frame, none where the place is left out.
+/// The data of one frame; none if its place is missing.
 fn data(reader: &mut Reader<'_>) -> Result<Box<[u8]>, Fault> {
     if reader.is_done() {
         return Ok(Box::default());
@@ -138,7 +138,7 @@ mod tests {
     use crate::forms::{read, written};
 
     #[test]
-    fn places_for_frames_may_be_left_out_or_empty() {
+    fn places_for_frames_may_be_missing_or_empty() {
         let good = |data: &[u8]| ReceivedFrame {
             status: FrameReceivedStatus::Good,
             data: data.into(),
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn the_frames_to_send_must_be_as_many_as_they_say() {
+    fn the_number_of_frames_must_match_the_frames() {
         assert_eq!(
             read::<FrameData>("2,0a,FF").unwrap(),
             FrameData::new([[10u8], [255]]).unwrap()

@@ -9,7 +9,7 @@ use crate::number::two_digits;
 const NOT_A_LATITUDE: Fault = Fault::expected("two digits of degrees, then minutes below 60");
 const NOT_A_LONGITUDE: Fault = Fault::expected("three digits of degrees, then minutes below 60");
 
-/// Latitude, hemisphere, longitude, hemisphere: degrees and minutes with six decimals, 2 mm, padded to fixed width.
+/// Latitude, hemisphere, longitude, hemisphere. Degrees and minutes with six decimals (2 mm), padded to fixed width.
 impl Field for Position {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["ddmm.mmmmmm", "N/S", "dddmm.mmmmmm", "E/W"];
@@ -61,12 +61,13 @@ impl Field for Position {
     }
 }
 
-/// Sixty minutes are what careless rounding prints.
+/// Combines degrees and minutes. Sixty minutes are accepted, because careless rounding prints them.
 fn angle((degrees, minutes): (u32, f64)) -> Option<f64> {
     (minutes <= 60.0).then(|| f64::from(degrees) + minutes / 60.0)
 }
 
-/// Whole degrees and minutes come out of one integer, so that 59.9999999 minutes carry.
+/// Millionths of a minute as one integer, from which whole degrees and minutes are taken, so that 59.9999999 minutes
+/// carry.
 fn micro_minutes(deg: f64) -> i64 {
     let magnitude = (deg.abs() * 6e7 + 0.5) as i64;
     if deg < 0.0 { -magnitude } else { magnitude }
@@ -97,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn degrees_have_a_fixed_width_and_minutes_any() {
+    fn degrees_have_a_fixed_width_and_minutes_have_any() {
         for (text, position) in [
             (
                 "4221.81092,N,07106.84603,W",
@@ -129,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_position_is_refused() {
+    fn an_invalid_position_is_refused() {
         for bad in [
             "",
             "4221.8",

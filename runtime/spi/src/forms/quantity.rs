@@ -30,7 +30,7 @@ impl Field for Depth {
     }
 }
 
-/// Altitude as the vehicle gives it: `0.000` or nothing where there is no bottom lock.
+/// An altitude as the vehicle writes it: `0.000` or nothing if there is no bottom lock.
 pub(crate) struct BottomLock;
 
 impl Field for BottomLock {
@@ -49,7 +49,8 @@ impl Field for BottomLock {
 
     fn encode(value: &Self::Value, writer: &mut Writer<'_>) -> Result<(), Fault> {
         match value {
-            // A vehicle that lies on the bottom has not lost it: what would be written as zero is the least above it.
+            // A vehicle that lies on the bottom has not lost it, so an altitude that would round to zero is written as
+            // the smallest one above zero.
             Some(altitude) => writer.decimal(altitude.as_m().max(0.001), 3),
             None => {
                 writer.text("0.000");
@@ -68,7 +69,7 @@ impl Field for BottomLock {
     }
 }
 
-/// Degrees, three decimals, below 360 after rounding too.
+/// Degrees, three decimals. The written value is below 360 after rounding too.
 impl Field for GridHeading {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["x.x"];
@@ -97,13 +98,13 @@ mod tests {
     use crate::forms::{read, written};
 
     #[test]
-    fn no_bottom_lock_is_no_height() {
+    fn without_bottom_lock_there_is_no_altitude() {
         for none in ["", " ", "0", "0.000", "-0.0"] {
             assert_eq!(read::<BottomLock>(none), Ok(None), "{none:?}");
         }
         assert_eq!(read::<BottomLock>("45.3"), Ok(Some(Altitude::from_m(45.3).unwrap())));
         assert_eq!(written::<BottomLock>(&None).unwrap(), ",0.000");
-        // Something on the bottom is not something without lock.
+        // A vehicle on the bottom has bottom lock.
         assert_eq!(
             written::<BottomLock>(&Some(Altitude::from_m(0.000_1).unwrap())).unwrap(),
             ",0.001"
@@ -111,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_are_the_units_own() {
+    fn ranges_are_those_of_the_units() {
         assert!(matches!(read::<Depth>("12000.1"), Err(Fault::OutOfRange(_))));
         assert!(matches!(read::<BottomLock>("-1"), Err(Fault::OutOfRange(_))));
         assert!(matches!(read::<GridHeading>("1000001"), Err(Fault::OutOfRange(_))));

@@ -6,12 +6,13 @@ use proptest::prelude::BoxedStrategy;
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
 
-/// A value, and after it fields that the specification keeps for later: written as `R` says, read past, missing or not.
+/// A value, followed by fields that the specification reserves. They are written as `R` says. In reading they are
+/// ignored, and may be missing.
 pub(crate) struct Then<F, R>(PhantomData<(F, R)>);
 
-/// Reserved fields, as they are written.
+/// The text of reserved fields, as they are written.
 pub(crate) trait Reserved {
-    /// What stands in each.
+    /// The text of each field.
     const FIELDS: &'static [&'static str];
 }
 
@@ -32,7 +33,7 @@ impl Reserved for ThreeEmpty {
 impl<F: Field, R: Reserved> Field for Then<F, R> {
     type Value = F::Value;
     const FORMATS: &'static [&'static str] = {
-        // A constant cannot join slices of any length: these are the combinations that the tables have.
+        // A constant cannot join slices of arbitrary lengths, so this lists the combinations that the tables have.
         match (F::FORMATS, R::FIELDS.len()) {
             ([a], 1) => &[*a, "reserved"],
             ([a, b, c, d], 3) => &[*a, *b, *c, *d, "reserved", "reserved", "reserved"],

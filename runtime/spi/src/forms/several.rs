@@ -6,7 +6,7 @@ use proptest::prelude::{BoxedStrategy, Just, Strategy, prop_oneof};
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
 
-/// A value whose fields may be empty: the first one says.
+/// A value whose fields may be empty. If the first field is empty, the value is `None`.
 pub(crate) struct Optional<F>(PhantomData<F>);
 
 impl<F: Field> Field for Optional<F>
@@ -43,7 +43,7 @@ where
     }
 }
 
-/// A value that a sender may leave out: then, or where its field is empty, its default.
+/// A value that a sender may leave out. If its field is missing or empty, it has its default.
 pub(crate) struct OrDefault<F>(PhantomData<F>);
 
 impl<F: Field> Field for OrDefault<F>
@@ -77,7 +77,7 @@ where
     }
 }
 
-/// Several values of one form, one after the other.
+/// Several values of one form in a row.
 pub(crate) struct Each<F, const N: usize>(PhantomData<F>);
 
 impl<F: Field, const N: usize> Field for Each<F, N>

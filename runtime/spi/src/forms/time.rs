@@ -10,7 +10,8 @@ use crate::word;
 
 const NOT_A_TIME: Fault = Fault::expected("a time of day, hhmmss and any decimals");
 
-/// UTC without date: any decimals are read, cut to nanoseconds; exactly three are written, cut and not rounded.
+/// UTC without a date. Any number of decimals is read and cut to nanoseconds. Exactly three are written, cut and not
+/// rounded.
 impl Field for TimeOfDay {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["hhmmss.sss"];
@@ -46,7 +47,7 @@ impl Field for TimeOfDay {
     }
 }
 
-/// Takes the next field where it is `hhmmss.sss`, as nearly all are. This comes back in registers.
+/// Takes the next field if it is `hhmmss.sss`, as nearly all times are. The result is returned in registers.
 #[inline(never)]
 fn take_millis(reader: &mut Reader<'_>) -> Option<TimeOfDay> {
     let time = parse_millis(reader.peek()?)?;
@@ -57,7 +58,7 @@ fn take_millis(reader: &mut Reader<'_>) -> Option<TimeOfDay> {
 fn parse_millis(text: &[u8; 10]) -> Option<TimeOfDay> {
     const FORM: u64 = u64::from_le_bytes(*b"000000.0");
     let [first @ .., d2, d3] = text;
-    // Each character less what a nought, and the point, would be there.
+    // Each character, less the character `0` or the point that belongs in its place.
     let values = u64::from_le_bytes(*first) ^ FORM;
     let (d2, d3) = (d2.wrapping_sub(b'0'), d3.wrapping_sub(b'0'));
     if !word::are_digits(values) || values.to_le_bytes()[6] != 0 || d2 > 9 || d3 > 9 {
@@ -91,7 +92,7 @@ fn parse_time(text: &[u8]) -> Option<TimeOfDay> {
     TimeOfDay::from_hms_nano(pair(0)?, pair(2)?, pair(4)?, nanos)
 }
 
-/// The time at which the message was made: the first field of nearly all.
+/// The time at which the message was made, which is the first field of nearly all messages.
 pub(crate) struct Created;
 
 impl Field for Created {
@@ -189,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_time_of_day_is_refused() {
+    fn an_invalid_time_of_day_is_refused() {
         for bad in [
             "8:10:25",
             "81025",
@@ -213,7 +214,7 @@ mod tests {
 
     proptest::proptest! {
         #[test]
-        fn the_short_way_reads_what_the_long_way_reads(text in "[0-2/][0-9:][0-6][0-9][0-6][0-9][-./0][0-9:]{2}[0-9/]") {
+        fn the_fast_reader_agrees_with_the_slow_one(text in "[0-2/][0-9:][0-6][0-9][0-6][0-9][-./0][0-9:]{2}[0-9/]") {
             let short = parse_millis(text.as_bytes().try_into().unwrap());
             proptest::prop_assert_eq!(short, parse_time(text.as_bytes()));
         }

@@ -5,12 +5,12 @@ use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
 use crate::text::{RelayedText, Text};
 
-/// Free text, which may be empty. What may not stand in a [`Text`] is read as a blank: a status must not be lost to an
-/// accent in a file's name.
+/// Free text, which may be empty. A character that a [`Text`] may not hold is read as a blank, so that an accent in a
+/// file's name does not lose a whole status.
 impl Field for Text {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["c--c"];
-    const RANGE: &'static str = "printable ascii but , * $";
+    const RANGE: &'static str = "printable ASCII without , * $";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         reader.text().map(Self::cleaned)
@@ -27,7 +27,7 @@ impl Field for Text {
     }
 }
 
-/// The free text that ends a message: nothing at all is an empty text.
+/// The free text that ends a message. A missing field is an empty text.
 pub(crate) struct LastText;
 
 impl Field for LastText {
@@ -53,11 +53,11 @@ impl Field for LastText {
     }
 }
 
-/// The text that ends a message and is passed on with its delimiters; nothing at all is an empty text.
+/// The text that ends a message and is passed on with its delimiters. A missing field is an empty text.
 impl Field for RelayedText {
     type Value = Self;
     const FORMATS: &'static [&'static str] = Text::FORMATS;
-    const RANGE: &'static str = "printable ascii, delimiters too";
+    const RANGE: &'static str = "printable ASCII with delimiters";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         if reader.is_done() {
@@ -85,7 +85,7 @@ impl Field for RelayedText {
     }
 }
 
-/// The three letters of a message, or `ALL`: letters and digits.
+/// The three letters of a message, or `ALL`; letters and digits only.
 pub(crate) struct Word;
 
 const NOT_A_WORD: Fault = Fault::expected("a word of letters and digits");

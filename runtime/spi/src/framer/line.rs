@@ -1,5 +1,5 @@
-//! One line: which sentence it holds, or why it holds none. No bytes make it panic, nor does it copy any (safety requirement
-//! 013).
+//! Finds the sentence in one line, or the reason why there is none. No bytes make this code panic, and it copies none
+//! (safety requirement 013).
 
 use memchr::{memchr_iter, memrchr, memrchr_iter};
 
@@ -7,7 +7,7 @@ use crate::catalogue::catalogue;
 use crate::framer::{FrameCounts, Policy};
 use crate::sentence::{ChecksumState, Sentence, checksum, last_star, xor};
 
-/// The sentence of a line, or one more count of why it is none.
+/// The sentence of a line; if there is none, the reason is counted.
 #[inline(always)]
 pub(super) fn judge<'a>(line: &'a [u8], counts: &mut FrameCounts, policy: Policy) -> Option<Sentence<'a>> {
     let Ok(line) = core::str::from_utf8(line) else {
@@ -33,7 +33,8 @@ pub(super) fn judge<'a>(line: &'a [u8], counts: &mut FrameCounts, policy: Policy
     }
 }
 
-/// The sentence of a line with `$` inside it, by the rules of [`crate::Framer`]; or one more count of why it is none.
+/// The sentence of a line with a `$` inside it, by the rules of [`crate::Framer`]; if there is none, the reason is
+/// counted.
 #[cold]
 #[inline(never)]
 pub(super) fn judge_parts<'a>(line: &'a [u8], counts: &mut FrameCounts, policy: Policy) -> Option<Sentence<'a>> {
@@ -50,10 +51,10 @@ pub(super) fn judge_parts<'a>(line: &'a [u8], counts: &mut FrameCounts, policy: 
     judge(rest, counts, policy)
 }
 
-/// Where the sentence of a line begins by its checksum: the `$` that the rules of [`crate::Framer`] choose, or `None` where
-/// the checksum is right from none.
+/// Where the sentence of a line begins, by its checksum: the `$` that the rules of [`crate::Framer`] choose, or `None`
+/// if the checksum is right from no `$`.
 ///
-/// For those who cut lines themselves. The line is without its line feed.
+/// For callers that cut lines themselves. The line is without its line feed.
 #[must_use]
 pub fn sentence_start(line: &[u8], policy: Policy) -> Option<usize> {
     right_start(line.trim_ascii_end(), policy).map(|start| start.at)
@@ -62,22 +63,23 @@ pub fn sentence_start(line: &[u8], policy: Policy) -> Option<usize> {
 /// Where the sentence of a line begins.
 struct Start {
     at: usize,
-    /// How many of the `$` after it could have been the start too.
+    /// How many later `$` could have been the start too.
     doubts: u64,
 }
 
-/// The `$` from which the checksum of a line is right. Goes from the last one back to the first: each adds its own part to
-/// the sum of those behind it, so that the time is linear however many there are.
+/// The `$` from which the checksum of a line is right. The search goes from the last `$` back to the first. Each adds
+/// its own part to the sum of the parts behind it, so the time is linear in the length of the line.
 fn right_start(line: &[u8], policy: Policy) -> Option<Start> {
     let star = last_star(line)?;
     let digits = &line[star + 1..];
     let wanted = checksum(digits).filter(|_| policy == Policy::FromPayload || digits.len() == 2)?;
     let (mut sum, mut end, mut right) = (0, star, 0);
-    // With whether its sentence can hold the next `$`.
+    // The best start so far, and whether its sentence can hold the next `$`.
     let mut best: Option<(Start, bool)> = None;
     for at in memrchr_iter(b'$', &line[..star]) {
         let part = &line[at + 1..end];
-        // A `$` is never part of a longer character: each part is UTF-8 by itself, or no sentence begins before it.
+        // A `$` is never part of a longer character, so each part must be UTF-8 by itself; otherwise no sentence begins
+        // before it.
         if core::str::from_utf8(part).is_err() {
             break;
         }
@@ -97,8 +99,8 @@ fn right_start(line: &[u8], policy: Policy) -> Option<Start> {
     best.map(|(start, _)| start)
 }
 
-/// Whether the first part of a sentence, whose name has so many letters, ends inside a text. A message that is not known may
-/// have a text anywhere, and so may the fields that a later version adds.
+/// Whether the first part of a sentence, whose name has `name` letters, ends inside a text. An unknown message may have
+/// a text anywhere, and so may the fields that a later version adds.
 fn ends_in_text(part: &[u8], name: usize) -> bool {
     let (name, fields) = part.split_at(name);
     let Some(entry) = catalogue().iter().find(|entry| entry.name.as_bytes() == name) else {

@@ -15,7 +15,7 @@ fn navigation(line: &str) -> Navigation {
 
 #[test]
 fn the_example_of_section_6_1_is_read() {
-    // Its checksum is misprinted as 5b.
+    // The specification misprints its checksum as 5b.
     let navigation =
         navigation("$BFNVG,081025.987,4221.81092,N,07106.84603,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980*4E");
     assert_eq!(
@@ -143,7 +143,7 @@ fn a_message_that_cannot_be_written_leaves_no_byte() {
 }
 
 #[test]
-fn what_the_payload_sends_is_unknown_here() {
+fn messages_of_the_payload_are_unknown_here() {
     let message = decode("$BPRMB,081025.987,90,3,0,1.5,1,0");
     let FromVehicle::Unknown(unknown) = &message else {
         panic!("{message:?}")

@@ -3,7 +3,7 @@ use backseat_spi::{Framer, FromVehicle, Policy, Sentence, ToVehicle, catalogue};
 
 use crate::Message;
 
-/// Rows with a text or with frames: what is kept of those needs memory of its own.
+/// Messages with a text or with frames: keeping those needs memory of its own.
 const WITH_TEXT: [&str; 22] = [
     "BFMSC", "BFBDL", "BFSDL", "BFTOP", "BFVER", "BFMBS", "BFMBE", "BFMIS", "BFACK", "BFTRM", "BFBOY", "BFCMA",
     "BFCPR", "BPLOG", "BPSTS", "BPTOP", "BPTMR", "BPABT", "BPKIL", "BPMSG", "BPVER", "BPCPD",
@@ -23,7 +23,7 @@ fn messages_without_text_are_decoded_without_allocation() {
             backseat_spi::Direction::ToVehicle => drop(ToVehicle::decode(&sentence)),
         });
         assert_eq!((from, to), (Some(true), Some(true)));
-        // In the other direction it is unknown, and kept.
+        // For the other direction the message is unknown, and it is kept.
         assert!(taken.count_total > 0);
         assert_eq!(
             own.count_total > 0,

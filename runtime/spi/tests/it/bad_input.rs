@@ -9,7 +9,7 @@ fn checked(body: &str) -> String {
     format!("${body}*{sum:02X}\r\n")
 }
 
-/// All sentences of a stream, and what was counted.
+/// The number of sentences in a stream, the counts, and the most memory that the framer had.
 fn frame(policy: Policy, bytes: &[u8]) -> (usize, FrameCounts, usize) {
     let mut framer = Framer::new(policy);
     let (mut sentences, mut memory) = (0, 0);
@@ -25,7 +25,7 @@ fn frame(policy: Policy, bytes: &[u8]) -> (usize, FrameCounts, usize) {
 
 /// Safety requirement 013.
 #[test]
-fn ten_megabytes_without_a_line_end_are_one_dropped_line_and_no_memory() {
+fn ten_megabytes_without_a_line_end_take_no_memory() {
     let control = format!("\r\n{CONTROL}\r\n");
     for filler in ["a", "$BFMSC,081025.987,", ",", "\u{0}"] {
         let mut stream = b"$BFMSC,081025.987,".to_vec();
@@ -47,7 +47,7 @@ fn ten_megabytes_without_a_line_end_are_one_dropped_line_and_no_memory() {
 
 /// Safety requirement 013.
 #[test]
-fn a_thousand_unknown_sentences_are_given_out_as_such() {
+fn a_thousand_unknown_sentences_are_returned_as_unknown() {
     let stream: String = (0..1000)
         .map(|number| checked(&format!("BF{number:03},{}", "x,".repeat(number))))
         .collect();
@@ -56,7 +56,7 @@ fn a_thousand_unknown_sentences_are_given_out_as_such() {
     let (mut unknown, mut bytes) = (0, 0);
     while let Some(sentence) = framer.next_sentence() {
         let FromVehicle::Unknown(message) = FromVehicle::decode(&sentence).unwrap() else {
-            panic!("{} is none of ours", sentence.raw())
+            panic!("{} is a known message", sentence.raw())
         };
         unknown += 1;
         bytes = bytes.max(message.fields().map(str::len).sum());
@@ -78,7 +78,7 @@ fn a_thousand_unknown_sentences_are_given_out_as_such() {
 type Count = fn(&FrameCounts) -> u64;
 
 #[test]
-fn each_cause_is_counted_apart() {
+fn each_cause_is_counted_separately() {
     let long = format!("$BFMSC,081025.987,{}\r\n", "a".repeat(MAX_LINE));
     let causes: [(&[u8], Count); 7] = [
         (b"$BFCTL,081025.987,0*78\r\n", |counts| counts.checksum_invalid),
@@ -110,9 +110,9 @@ fn each_cause_is_counted_apart() {
     }
 }
 
-/// Every number, code, time, place and flag of every message, replaced by what is none.
+/// Replaces each number, code, time, place and flag of each message by something invalid.
 #[test]
-fn what_is_no_value_is_refused_in_every_field_of_every_message() {
+fn an_invalid_value_is_refused_in_every_field_of_every_message() {
     let mut refused = 0;
     for entry in catalogue() {
         let (line, _) = entry.example.split_once('*').unwrap();
@@ -138,7 +138,7 @@ fn what_is_no_value_is_refused_in_every_field_of_every_message() {
                 "1 2",
                 "99999999999999999999999999999999999999999999999999999999999999999999999999",
             ] {
-                // Digits are the data of a frame too.
+                // Digits are valid data of a frame too.
                 if *format == "hex" && bad.bytes().all(|byte| byte.is_ascii_hexdigit()) || bad.contains(',') {
                     continue;
                 }

@@ -4,7 +4,7 @@ use backseat_spi::{Sentence, catalogue};
 
 use crate::Message;
 
-/// A line for each message: the sentence, written from its section of the specification, a tabulator, and its values.
+/// A line for each message: the sentence as its section of the specification writes it, a tab, and its values.
 const GOLDEN: &str = include_str!("golden.txt");
 
 #[test]
@@ -30,7 +30,7 @@ fn every_message_has_the_values_that_its_section_says() {
 }
 
 #[test]
-fn the_names_of_serialised_values_are_the_catalogues() {
+fn serialised_values_have_the_names_of_the_catalogue() {
     for entry in catalogue() {
         let values: serde_json::Value = serde_json::from_str(&Message::example(entry).to_json()).unwrap();
         for field in entry.fields {
@@ -41,7 +41,7 @@ fn the_names_of_serialised_values_are_the_catalogues() {
 }
 
 #[test]
-fn serialised_messages_are_refused_where_they_are_not_whole() {
+fn incomplete_serialised_messages_are_refused() {
     for entry in catalogue() {
         let read = |name: &str, json: &str| Message::from_json(entry.direction, name, json);
         let whole = Message::example(entry).to_json();
@@ -54,7 +54,7 @@ fn serialised_messages_are_refused_where_they_are_not_whole() {
             read("BFXYZ", &whole)
                 .unwrap_err()
                 .to_string()
-                .contains("\"BFXYZ\" is no message")
+                .contains("\"BFXYZ\" is not a message")
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Lines with a `$` inside: one sentence, or several of which only the last is whole.
+//! Lines with a `$` inside: one sentence, or several of which only the last is complete.
 
 use std::time::{Duration, Instant};
 
@@ -44,7 +44,7 @@ fn line(text: &str) -> (Vec<String>, u64) {
 }
 
 #[test]
-fn a_line_whose_checksum_is_right_stands_whole() {
+fn a_line_with_a_right_checksum_is_one_sentence() {
     for body in [
         "BPSTS,081025.987,1,battery cost $5",
         "BPSTS,081025.987,1,$",
@@ -52,9 +52,9 @@ fn a_line_whose_checksum_is_right_stands_whole() {
         "BPTMR,081025.987,3,$CCRXD,1,2*5B $CCRXD,3,4*59",
         "BPTMR,081025.987,3,$CCRXD,1,2*",
         "BFTOP,081025.987,3,$$$",
-        // Not known, so that anything may stand in it.
+        // An unknown message, which may contain anything.
         "BFXYZ,$",
-        // No text; but nothing else in the line fits.
+        // This field is not a text, but nothing else in the line fits.
         "BFCTL,081025.987,$1",
     ] {
         let text = checked(body);
@@ -63,7 +63,7 @@ fn a_line_whose_checksum_is_right_stands_whole() {
 }
 
 #[test]
-fn a_cut_sentence_is_passed_over_and_the_whole_one_after_it_stands() {
+fn a_cut_sentence_is_skipped_and_the_complete_one_after_it_is_read() {
     let relay = checked("BPTMR,081025.987,3,$CCRXD,1,2*5B");
     for whole in [CONTROL, &relay] {
         for (cut, number) in [
@@ -71,7 +71,7 @@ fn a_cut_sentence_is_passed_over_and_the_whole_one_after_it_stands() {
             ("$BFNVG,081025.987,42", 1),
             ("$BFNVG,0810$BF", 2),
             ("$BFCTL,081025.987,1*", 1),
-            // Whole, but for its line end.
+            // A complete sentence without its line end.
             (CONTROL, 1),
         ] {
             assert_eq!(
@@ -83,27 +83,27 @@ fn a_cut_sentence_is_passed_over_and_the_whole_one_after_it_stands() {
     }
 }
 
-/// A fragment that stands twice cancels itself out of the checksum.
+/// A fragment that occurs twice cancels out in the checksum.
 #[test]
-fn a_checksum_that_is_right_from_several_is_the_first_ones_whose_text_it_can_be() {
+fn a_checksum_that_fits_several_dollar_signs_belongs_to_the_first_possible_one() {
     let twice = format!("$BFNVG,08$BFNVG,08{CONTROL}");
-    assert_eq!(line(&twice), (vec![CONTROL.to_owned()], 2), "no $ stands in a BFNVG");
+    assert_eq!(line(&twice), (vec![CONTROL.to_owned()], 2), "a BFNVG contains no $");
     let twice = format!("$BFMIS,0810$BFMIS,0810{CONTROL}");
     assert_eq!(
         line(&twice),
         (vec![CONTROL.to_owned()], 2),
-        "nor in the time of a BFMIS"
+        "the time of a BFMIS contains no $"
     );
     let twice = format!("$BFXYZ,0810$BFXYZ,0810{CONTROL}");
     assert_eq!(
         line(&twice),
         (vec![twice.clone()], 1),
-        "what is not known may be anything"
+        "an unknown message may contain anything"
     );
-    // What the first one may have swallowed counts as lost.
+    // Sentences that the first one may have swallowed count as lost.
     let twice = format!("$BFMIS,081025.987,b$BFMIS,081025.987,b{CONTROL}");
     assert_eq!(line(&twice), (vec![twice.clone()], 1));
-    // Neither can hold a `$`, but the first of them does: its fields are judged when it is decoded.
+    // Neither message can contain a `$`, but the first one has it. Its fields are checked when it is decoded.
     let mut twice = "$BFNVG,08$BFNVG,08$BFCTL,081025.987,1$".to_owned();
     twice.push_str(&format!("*{:02X}", xor(b"BFCTL,081025.987,1$")));
     assert_eq!(line(&twice), (vec![twice.clone()], 1));
@@ -111,16 +111,16 @@ fn a_checksum_that_is_right_from_several_is_the_first_ones_whose_text_it_can_be(
 
 /// Nothing shows that such a line is one sentence.
 #[test]
-fn without_a_checksum_the_line_begins_anew_at_its_last_dollar_sign() {
+fn without_a_checksum_the_sentence_begins_at_the_last_dollar_sign() {
     let (out, counts) = frame(Policy::FromPayload, [b"$BPSTS,081025.987,1,for $5 or $6\n".as_slice()]);
     assert_eq!((out, counts.cut_short), (vec!["$6".to_owned()], 2));
     let (out, counts) = frame(Policy::FromPayload, [b"$BPRMB,0810$BPRMP,081025.987\n".as_slice()]);
     assert_eq!((out, counts.cut_short), (vec!["$BPRMP,081025.987".to_owned()], 1));
-    // The one checksum is the relayed line's.
+    // The only checksum belongs to the relayed line.
     let relayed = format!("$BPTMR,081025.987,3,{}\n", checked("CCRXD,1,2"));
     let (out, counts) = frame(Policy::FromPayload, [relayed.as_bytes()]);
     assert_eq!((out, counts.cut_short), (vec![checked("CCRXD,1,2")], 1));
-    // One digit is a payload's only.
+    // Only a payload may send a checksum of one digit.
     let body = (' '..='~')
         .map(|last| format!("BPSTS,1,${last}"))
         .find(|body| xor(body.as_bytes()) < 16)
@@ -133,19 +133,19 @@ fn without_a_checksum_the_line_begins_anew_at_its_last_dollar_sign() {
     );
     let (out, counts) = frame(Policy::FromVehicle, [short.as_bytes()]);
     assert_eq!((out.len(), counts.cut_short, counts.checksum_invalid), (0, 1, 1));
-    // An asterisk of the text before it does not make it two.
+    // An asterisk in the text just before it does not make it a checksum of two digits.
     let [vehicle, payload] = POLICIES.map(|policy| frame(policy, [b"$A,G**0\n".as_slice()]).1);
     assert_eq!((vehicle.sentences, vehicle.checksum_invalid), (0, 1));
     assert_eq!((payload.sentences, payload.lost()), (1, 0));
 }
 
 #[test]
-fn a_damaged_line_is_lost_once_for_each_dollar_sign_as_ever() {
+fn a_damaged_line_counts_once_for_each_dollar_sign() {
     let damaged = checked("BPSTS,081025.987,1,cost $5").replace("cost", "cast");
     let (out, counts) = frame(Policy::FromVehicle, [format!("{damaged}\r\n{CONTROL}\r\n").as_bytes()]);
     assert_eq!(out, [CONTROL]);
     assert_eq!((counts.cut_short, counts.checksum_invalid, counts.lost()), (1, 1, 2));
-    // Bytes that are no text in the first part are no fault of the second.
+    // Invalid UTF-8 in the first part does not harm the second.
     let (out, counts) = frame(
         Policy::FromVehicle,
         [b"$BFMSC,\xff".as_slice(), CONTROL.as_bytes(), b"\r\n"],
@@ -163,7 +163,7 @@ fn a_damaged_line_is_lost_once_for_each_dollar_sign_as_ever() {
 }
 
 #[test]
-fn the_longest_line_stands_and_a_longer_one_begins_anew() {
+fn the_longest_line_is_read_and_a_longer_one_begins_at_its_next_dollar_sign() {
     let text = |length: usize| {
         checked(&format!(
             "BPTMR,081025.987,3,${}",
@@ -172,7 +172,7 @@ fn the_longest_line_stands_and_a_longer_one_begins_anew() {
     };
     let longest = text(MAX_LINE);
     assert_eq!(line(&longest), (vec![longest.clone()], 0));
-    // One byte more: what begins inside it still fits, and is none.
+    // With one byte more, the part that begins at the inner `$` still fits, but it is not a sentence.
     let long = format!("{}\r\n{CONTROL}\r\n", text(MAX_LINE + 1));
     let (out, counts) = frame(Policy::FromVehicle, [long.as_bytes()]);
     assert_eq!(out, [CONTROL]);
@@ -185,7 +185,7 @@ fn the_longest_line_stands_and_a_longer_one_begins_anew() {
         (1, 1, 2),
         "{counts:?}"
     );
-    // A long cut sentence does not take the whole one with it.
+    // A long cut sentence does not remove the complete one after it.
     for length in [MAX_LINE - CONTROL.len() - 3, MAX_LINE - CONTROL.len(), MAX_LINE - 2] {
         let cut = format!("$BFMSC,{}", "a".repeat(length - 7));
         assert_eq!(
@@ -196,7 +196,7 @@ fn the_longest_line_stands_and_a_longer_one_begins_anew() {
     }
 }
 
-/// As much time for each byte, whatever the bytes are and however they come.
+/// Every byte takes the same time, whatever the bytes are and in whatever pieces they come.
 #[test]
 #[expect(clippy::disallowed_methods, reason = "what is tested is how long it takes")]
 fn dollar_signs_cost_linear_time() {
@@ -219,13 +219,14 @@ fn dollar_signs_cost_linear_time() {
             let (_, counts) = frame(Policy::FromPayload, stream.chunks(step));
             let taken = begin.elapsed();
             assert!(counts.lost() > 0);
-            // Ten times what a busy machine needs. One look at all that is pending for each `$` would take an hour.
+            // This is ten times what a busy machine needs. If the framer looked at all pending bytes for each `$`, it
+            // would take an hour.
             assert!(taken < Duration::from_secs(5), "{what}, {step} at a time: {taken:?}");
         }
     }
 }
 
-/// SPI 7.14: what one side says is what the other side reads.
+/// SPI 7.14: one side reads exactly what the other side has written.
 #[test]
 fn a_relayed_line_goes_through_a_framer_unchanged() {
     for text in [
@@ -283,9 +284,10 @@ fn a_command_inside_a_relayed_line_is_read_and_not_written() {
     );
 }
 
-/// SPI 4.2: comma and asterisk are delimiters. Where more fields follow, or may follow in a later version, they stay such.
+/// SPI 4.2: comma and asterisk are delimiters. They stay delimiters in texts that other fields follow, or may follow in
+/// a later version.
 #[test]
-fn the_other_texts_end_at_a_comma_and_have_blanks_for_delimiters() {
+fn other_texts_end_at_a_comma_and_have_blanks_instead_of_delimiters() {
     let vehicle = |body: &str| FromVehicle::decode(&Sentence::parse(&checked(body)).unwrap()).unwrap();
     let FromVehicle::TopsideMessage(top) = vehicle("BFTOP,081025.987,3,$5 for 2*3,later") else {
         panic!("another message")
@@ -311,11 +313,11 @@ fn the_other_texts_end_at_a_comma_and_have_blanks_for_delimiters() {
         panic!("another message")
     };
     assert_eq!(status.text, "cost  5 2");
-    // A comma here would move the reason: the field that follows is not the text's.
+    // A comma in this text would move the reason, which is the field after it.
     assert!(ToVehicle::decode(&Sentence::parse("$BPABT,081025.987,leak, bay 2,1").unwrap()).is_err());
 }
 
-/// What the framer should do, said as plainly as it goes: every `$` of every line tried by itself.
+/// What the framer should do, written as plainly as possible: it tries every `$` of every line.
 mod reference {
     use super::*;
 
@@ -335,7 +337,7 @@ mod reference {
             && is_named
     }
 
-    /// Whether the first `$` inside a sentence may stand where it does.
+    /// Whether the field of the first inner `$` may contain one.
     fn is_sound(sentence: &[u8]) -> bool {
         let text = core::str::from_utf8(sentence).unwrap();
         let Some((before, _)) = text[1..].split_once('$') else {
@@ -413,7 +415,7 @@ mod reference {
     }
 }
 
-/// Bodies of sentences, with what framing looks at in their texts.
+/// Bodies of sentences, with texts that matter to the framer.
 fn body() -> impl Strategy<Value = String> {
     let text = "[$*,A-C1 \r]{0,8}";
     prop_oneof![
@@ -426,12 +428,12 @@ fn body() -> impl Strategy<Value = String> {
     ]
 }
 
-/// A sentence or a part of a stream of them, good or bad.
+/// A valid or invalid sentence, or a piece of a stream of sentences.
 fn part() -> impl Strategy<Value = Vec<u8>> {
     let bytes = |text: String| text.into_bytes();
     prop_oneof![
         6 => body().prop_map(move |body| bytes(checked(&body))),
-        // Twice, so that what is before cancels out.
+        // The same body twice, so that the first one cancels out in the checksum.
         3 => body().prop_map(move |body| bytes(format!("${body}${body}"))),
         3 => (body(), any::<prop::sample::Index>(), 1..=255u8).prop_map(|(body, at, flip)| {
             let mut damaged = checked(&body).into_bytes();
@@ -468,9 +470,10 @@ fn pieces<'a>(stream: &'a [u8], cuts: &'a [usize]) -> impl Iterator<Item = &'a [
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
-    /// In one piece, byte by byte, and cut at random: the sentences and the counts of the reference.
+    /// The framer gives the sentences and counts of the reference for the stream in one piece, byte by byte, and cut at
+    /// random.
     #[test]
-    fn the_framer_does_as_the_reference(
+    fn the_framer_agrees_with_the_reference(
         parts in proptest::collection::vec(part(), 0..24),
         cuts in proptest::collection::vec(1..300usize, 1..8),
     ) {
@@ -483,9 +486,9 @@ proptest! {
         }
     }
 
-    /// Any text that is relayed is read as it was said, and what was lost before it does not matter.
+    /// Every relayed text is read unchanged, and a sentence lost before it does not matter.
     #[test]
-    fn every_relayed_text_is_read_as_it_was_said(text in "[ -~]{0,80}", millis in 0..86_400_000u64) {
+    fn every_relayed_text_is_read_unchanged(text in "[ -~]{0,80}", millis in 0..86_400_000u64) {
         let message = ToVehicle::from(TopsideRelay {
             created: TimeOfDay::from_nanos(millis * 1_000_000).unwrap(),
             transport: Transport::AcousticModem,

@@ -1,5 +1,5 @@
-//! What the crate promises about all its messages at once.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+//! Properties that all messages of the crate have.
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 mod allocation;
 mod bad_input;

@@ -17,9 +17,9 @@ fn refused(line: &str) -> (&'static str, Fault) {
     (error.field, error.fault)
 }
 
-/// SPI 7.16: abort with errors is the default.
+/// SPI 7.16: without a reason, an abort is one with errors.
 #[test]
-fn an_abort_without_a_reason_is_one_with_errors() {
+fn an_abort_without_a_reason_counts_as_one_with_errors() {
     for line in [
         "$BPABT,081025.987,leak",
         "$BPABT,081025.987,leak,",
@@ -65,7 +65,7 @@ fn reserved_fields_may_be_left_out_empty_or_zero() {
 }
 
 #[test]
-fn the_misprinted_comma_at_the_end_is_no_field() {
+fn the_misprinted_comma_at_the_end_does_not_count_as_a_field() {
     assert_eq!(
         from_vehicle("$BFCMA,081025.987,081055.987,7,WHOIPSK,"),
         from_vehicle("$BFCMA,081025.987,081055.987,7,WHOIPSK")
@@ -77,7 +77,7 @@ fn the_misprinted_comma_at_the_end_is_no_field() {
 }
 
 #[test]
-fn what_a_sensor_does_not_know_is_nothing_and_not_zero() {
+fn a_missing_reading_is_none_and_not_zero() {
     let FromVehicle::Dvl(dvl) = from_vehicle("$BFDVL,081025.987,,,,45.1,, ,45,,081025.900") else {
         panic!("another message")
     };
@@ -102,7 +102,7 @@ fn what_a_sensor_does_not_know_is_nothing_and_not_zero() {
 }
 
 #[test]
-fn a_battery_over_full_is_read_and_not_written() {
+fn a_battery_charge_over_100_percent_is_read_but_not_written() {
     let message = from_vehicle("$BFRBS,081025.987,0,29.85,3.71,3.75,18.5,3.2,100.4");
     let error = message.encode(&mut Vec::new()).unwrap_err();
     assert!(

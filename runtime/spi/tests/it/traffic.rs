@@ -1,8 +1,8 @@
 use backseat_spi::{Direction, Framer, FromVehicle, Policy, catalogue};
 
-/// Every message from the vehicle, with noise of all kinds between, in any pieces: all come out, once and in order.
+/// Every message from the vehicle, with all kinds of noise between and in any pieces, comes out once and in order.
 #[test]
-fn nothing_is_lost_but_what_was_cut() {
+fn only_cut_sentences_are_lost() {
     let rows: Vec<_> = catalogue()
         .iter()
         .filter(|entry| entry.direction == Direction::FromVehicle)

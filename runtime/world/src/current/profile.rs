@@ -3,17 +3,17 @@ use serde::Deserialize;
 
 use crate::error::{WorldError, agree, check};
 
-/// One `[[current.layers]]`: what becomes of the current at a depth. Between two layers its east and north parts go
-/// linearly from one to the other; above the first and below the last they stay.
+/// One `[[current.layers]]`: how the current changes at a depth. Between two layers, the east and north parts change
+/// linearly from one to the other. Above the first layer and below the last one, they are those of that layer.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerConfig {
-    /// Depth, metres, 0 to 12000, each deeper than the one before.
+    /// Depth, metres, 0 to 12000. Each layer is deeper than the one before.
     pub depth_m: f64,
-    /// What the speed is multiplied by, 0 to 5; 1 unless given.
+    /// Factor on the speed, 0 to 5; 1 unless given.
     #[serde(default = "one")]
     pub factor: f64,
-    /// How far it is turned clockwise, degrees, within 360; 0 unless given.
+    /// Clockwise turn of the direction, degrees, -360 to 360; 0 unless given.
     #[serde(default)]
     pub turn_deg: f64,
 }
@@ -22,11 +22,11 @@ const fn one() -> f64 {
     1.0
 }
 
-/// What depth makes of the current.
+/// How the current changes with depth.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Profile {
     Uniform,
-    /// Falls exponentially: one over the depth of 1/e.
+    /// Exponential decay: one over the depth at which the current has fallen to 1/e.
     Decay(f64),
     Layers(Vec<Layer>),
 }
@@ -34,7 +34,7 @@ pub(super) enum Profile {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layer {
     depth_m: f64,
-    /// Factor times cosine and sine of the turn.
+    /// Factor times cosine of the turn; `right` is factor times sine.
     along: f64,
     right: f64,
 }
@@ -46,7 +46,7 @@ impl Profile {
         if let Some(decay) = decay_depth_m {
             let key = "current.decay_depth_m";
             check((1.0..=1e6).contains(&decay), key, decay, "1 m or more")?;
-            agree(layers.is_empty(), key, "it or `current.layers`, not both")?;
+            agree(layers.is_empty(), key, "this key or `current.layers`, not both")?;
             return Ok(Self::Decay(1.0 / decay));
         }
         let mut above_m = -1.0;
@@ -66,7 +66,7 @@ impl Profile {
             )?;
             check((0.0..=5.0).contains(&factor), "current.layers.factor", factor, "0 to 5")?;
             let ok = turn_deg.abs() <= 360.0;
-            check(ok, "current.layers.turn_deg", turn_deg, "within 360 degrees")?;
+            check(ok, "current.layers.turn_deg", turn_deg, "-360 to 360 degrees")?;
             let (sin, cos) = sin_cos(turn_deg.to_radians());
             drawn.push(Layer {
                 depth_m,
@@ -115,7 +115,7 @@ fn between(layers: &[Layer], depth_m: f64) -> (f64, f64) {
     }
 }
 
-/// The seventh root of a share, 0 to 1.
+/// The seventh root of a share, clamped to 0 to 1.
 pub(super) fn power_law(share: f64) -> f64 {
     if share >= 1.0 {
         1.0
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn layers_are_linear_between_and_level_beyond() {
+    fn layers_are_linear_between_and_constant_beyond() {
         let layers = [
             LayerConfig {
                 depth_m: 10.0,
@@ -147,7 +147,7 @@ mod tests {
         let profile = Profile::new(None, &layers).unwrap();
         let at = |depth_m| profile.apply((0.0, 0.4), depth_m);
         assert_eq!((at(-1.0), at(0.0), at(10.0)), ((0.0, 0.4), (0.0, 0.4), (0.0, 0.4)));
-        // Northwards turned right is eastwards.
+        // North turned right by 90 degrees is east.
         for depth_m in [30.0, 500.0] {
             let (east, north) = at(depth_m);
             assert!((east - 0.2).abs() < 1e-12 && north.abs() < 1e-12);
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn layers_must_deepen_and_stand_alone() {
+    fn layers_must_deepen_and_exclude_a_decay_depth() {
         let layer = LayerConfig {
             depth_m: 10.0,
             factor: 1.0,
@@ -171,7 +171,7 @@ mod tests {
         let error = Profile::new(Some(20.0), &[layer]).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "current.decay_depth_m: expected it or `current.layers`, not both"
+            "current.decay_depth_m: expected this key or `current.layers`, not both"
         );
     }
 }

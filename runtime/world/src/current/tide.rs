@@ -13,14 +13,16 @@ use crate::stream::Stream;
 pub struct TideConfig {
     /// Greatest speed, along the major axis, metres a second, 0 to 5.
     pub speed_mps: Span,
-    /// Where it flows to along its major axis, degrees clockwise from the frame's north.
+    /// Direction of its major axis, degrees clockwise from the frame's north.
     pub towards_deg: Span,
     /// Period, hours, 0.1 to 10000.
     pub period_h: Span,
-    /// How long after the start it first flows its fastest that way, degrees of its period; 0 unless given.
+    /// Time from the start until it first flows in that direction at its greatest speed, degrees of its period; 0
+    /// unless given.
     #[serde(default = "zero")]
     pub phase_deg: Span,
-    /// Minor axis over major axis, -1 to 1: positive turns anticlockwise, negative clockwise, 0 flows to and fro.
+    /// Minor axis over major axis, -1 to 1. A positive one turns anticlockwise, a negative one clockwise, 0 flows back
+    /// and forth.
     #[serde(default = "zero")]
     pub ellipticity: Span,
 }
@@ -29,7 +31,8 @@ const fn zero() -> Span {
     Span::fixed(0.0)
 }
 
-/// One constituent: major·cos(ωt - g) + minor·sin(ωt - g), the minor axis a quarter turn anticlockwise of the major.
+/// One constituent: major·cos(ωt - g) + minor·sin(ωt - g). The minor axis is a quarter turn anticlockwise of the major
+/// one.
 ///
 /// Source: Foreman, *Manual for Tidal Currents Analysis and Prediction*, Pacific Marine Science Report 78-6 (1978),
 /// section 2.
@@ -42,7 +45,7 @@ pub(super) struct Ellipse {
     phase_rad: f64,
 }
 
-/// Draws the constituents, from a stream of their own.
+/// Draws the constituents from their own stream.
 pub(super) fn draw(configs: &[TideConfig], seed: u64) -> Result<Vec<Ellipse>, WorldError> {
     let count = configs.len();
     check(count <= 8, "current.tides", count as f64, "at most 8 constituents")?;
@@ -99,12 +102,13 @@ mod tests {
     }
 
     #[test]
-    fn an_ellipse_has_its_axes_and_turns_its_way() {
+    fn an_ellipse_has_its_axes_and_direction_of_turn() {
         let ellipse = one("speed_mps = 0.4\ntowards_deg = 0\nperiod_h = 12\nphase_deg = 90\nellipticity = 0.5");
         let at = |hours: u64| ellipse.at(Timestamp::from_secs(hours * 3600));
         let near =
             |(east, north): (f64, f64), (x, y): (f64, f64)| (east - x).abs() < 1e-12 && (north - y).abs() < 1e-12;
-        // Fastest northwards a quarter of the period after the start, then a quarter turn to the left each quarter.
+        // A quarter of the period after the start it flows north at its greatest speed. Each further quarter of the
+        // period turns it left by a quarter turn.
         assert!(near(at(3), (0.0, 0.4)), "{:?}", at(3));
         assert!(near(at(6), (-0.2, 0.0)), "{:?}", at(6));
         assert!(near(at(9), (0.0, -0.4)) && near(at(12), (0.2, 0.0)));

@@ -7,62 +7,67 @@ use crate::error::{WorldError, check};
 use crate::span::Span;
 use crate::stream::Stream;
 
-/// One `[[field.filaments]]`: water that springs from a source for ever and drifts away as a meandering filament of
-/// puffs, the same at all depths unless it is given a depth.
+/// One `[[field.filaments]]`: a permanent source whose water drifts away as a meandering filament of puffs. It is the
+/// same at all depths unless it has a depth.
 ///
-/// The model is the filament plume of Farrell, Murlis, Long, Li and Cardé (*Filament-based atmospheric dispersion
-/// model to achieve short time-scale structure of odor plumes*, Environmental Fluid Mechanics 2, 2002), as a closed
-/// form: a Gaussian across a centreline whose variance grows with the way x as σ² = σ₀² + 2Kx/U and whose strength
-/// falls as σ₀/σ (Fickian spread in one direction: Csanady, *Turbulent Diffusion in the Environment*, 1973, chapter
-/// 1); a centreline of sines that the flow carries along unchanged, wider with the way (Gifford's fluctuating plume,
-/// Advances in Geophysics 6, 1959); and along it, carried too, puffs whose mean over time is the plume without puffs
-/// and which fade into it as (σ₀/σ)². It does not follow the `[current]`: it has its own direction and speed.
+/// The model is the filament plume of Farrell, Murlis, Long, Li and Cardé (*Filament-based atmospheric dispersion model
+/// to achieve short time-scale structure of odor plumes*, Environmental Fluid Mechanics 2, 2002), in closed form:
+///
+/// - Across its centreline it is a Gaussian. The variance grows with the distance x from the source as σ² = σ₀² +
+///   2Kx/U, and the strength falls as σ₀/σ (Fickian spread in one direction: Csanady, *Turbulent Diffusion in the
+///   Environment*, 1973, chapter 1).
+/// - The centreline is a sum of sines that the flow carries along unchanged. Its width grows with the distance
+///   (Gifford's fluctuating plume, Advances in Geophysics 6, 1959).
+/// - Along the centreline there are puffs, which the flow carries along too. Their mean over time is the plume without
+///   puffs, and they fade into it as (σ₀/σ)².
+///
+/// It does not follow the `[current]`: it has its own direction and speed.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilamentConfig {
-    /// Where its source lies, metres east of the origin.
+    /// Position of its source, metres east of the origin.
     pub east_m: Span,
-    /// Where its source lies, metres north of the origin.
+    /// Position of its source, metres north of the origin.
     pub north_m: Span,
-    /// The depth of the source, metres; none is the same at all depths.
+    /// The depth of the source, metres; without it, the filament is the same at all depths.
     #[serde(default)]
     pub depth_m: Option<Span>,
-    /// Its vertical standard deviation, metres, 0.5 or more, where it has a depth; 5 m unless given.
+    /// Its vertical standard deviation, metres, 0.5 or more, if it has a depth; 5 m unless given.
     #[serde(default)]
     pub sigma_depth_m: Option<f64>,
-    /// Where it drifts to, degrees clockwise from the frame's north.
+    /// The direction in which it drifts, degrees clockwise from the frame's north.
     pub towards_deg: Span,
-    /// How fast it drifts, metres a second, 0.01 to 5.
+    /// Its drift speed, metres a second, 0.01 to 5.
     pub speed_mps: Span,
-    /// Its standard deviation across at the source, metres, 0.1 to 1000.
+    /// Its standard deviation across the drift at the source, metres, 0.1 to 1000.
     pub sigma_m: Span,
-    /// How it spreads, square metres a second, 0 to 100; 0.02 unless given (at scales of 10 to 100 m Okubo, Deep-Sea
-    /// Research 18, 1971, finds 0.01 to 0.1).
+    /// Its diffusivity, square metres a second, 0 to 100; 0.02 unless given. (Okubo, Deep-Sea Research 18, 1971, finds
+    /// 0.01 to 0.1 at scales of 10 to 100 m.)
     #[serde(default = "diffusivity")]
     pub diffusivity_m2_per_s: f64,
-    /// Where it ends, metres from the source, 1 to 50000; 2000 unless given. It fades over the last tenth.
+    /// Its length, metres from the source, 1 to 50000; 2000 unless given. It fades over the last tenth.
     #[serde(default = "length")]
     pub length_m: f64,
-    /// The most that its centreline leaves the axis, metres, 0 to 1000; 0 unless given.
+    /// The greatest distance of its centreline from the axis, metres, 0 to 1000; 0 unless given.
     #[serde(default = "zero")]
     pub meander_m: Span,
-    /// Length of the widest of its meanders, metres, 5 to 20000; 150 unless given.
+    /// Wavelength of its widest meander, metres, 5 to 20000; 150 unless given.
     #[serde(default = "wavelength")]
     pub meander_wavelength_m: Span,
-    /// From puff to puff, metres, 0.5 to 1000; 10 unless given.
+    /// Distance between two puffs, metres, 0.5 to 1000; 10 unless given.
     #[serde(default = "spacing")]
     pub puff_spacing_m: f64,
-    /// How much of it is in puffs at the source, 0 to 1; 0.8 unless given.
+    /// The part of it that is in puffs at the source, 0 to 1; 0.8 unless given.
     #[serde(default = "intermittency")]
     pub intermittency: f64,
-    /// What it adds to the temperature at the source in the mean, degrees Celsius, within 400; a puff has up to about
+    /// What it adds to the temperature at the source on average, degrees Celsius, within ±400. A puff adds up to about
     /// four times that.
     #[serde(default = "zero")]
     pub temperature_c: Span,
-    /// What it adds to the conductivity at the source in the mean, microsiemens a centimetre, within 100000.
+    /// What it adds to the conductivity at the source on average, microsiemens a centimetre, within ±100000.
     #[serde(default = "zero")]
     pub conductivity_us_per_cm: Span,
-    /// What it adds to the tracer at the source in the mean, in whatever unit the mission takes it, 0 to 1e6.
+    /// What it adds to the tracer at the source on average, in the unit that the mission uses for it, 0 to 1e6.
     #[serde(default = "zero")]
     pub tracer: Span,
 }
@@ -87,19 +92,20 @@ const fn intermittency() -> f64 {
     0.8
 }
 
-/// Puffs before the row of them comes again.
+/// Number of puffs after which the sequence repeats.
 const PUFFS: usize = 32;
-/// Standard deviation of a puff along the filament, in spacings: at 1.25 spacings nothing is left of it, so that three
-/// neighbours are enough.
+/// Standard deviation of a puff along the filament, in spacings. At 1.25 spacings almost nothing is left of a puff, so
+/// three neighbours are enough.
 const PUFF_SIGMA: f64 = 0.18;
-/// The mean over the way of puffs of strength 1: their standard deviation times the root of 2π.
+/// The mean of puffs of strength 1 along the filament: their standard deviation times the square root of 2π.
 const PUFF_MEAN: f64 = PUFF_SIGMA * 2.506_628_274_631_000_7;
-/// The meanders' wavelengths, by the golden ratio so that they do not come again together, and their part of the width.
+/// Wavelength and part of the width of each meander. The ratio of the wavelengths is the golden ratio, so that their
+/// sum does not repeat.
 const MEANDERS: [(f64, f64); 3] = [(1.0, 0.6), (0.618_034, 0.3), (0.381_966, 0.1)];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Puff {
-    /// Place of its centre in its own spacing, 0 to 1.
+    /// Position of its centre in its own spacing, 0 to 1.
     place: f64,
     strength: f64,
 }
@@ -114,14 +120,15 @@ struct Meander {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Filament {
     source: EastNorth,
-    /// Where it drifts to: one metre east and north.
+    /// Direction of the drift: a vector of one metre.
     along: EastNorth,
     speed_mps: f64,
-    /// Variance at the source, square metres, and its growth a metre of the way.
+    /// Variance at the source, square metres; `growth_m` is its growth per metre of distance.
     variance_m2: f64,
     growth_m: f64,
     length_m: f64,
-    /// The most that all meanders leave the axis, and the way over which they grow to half of it.
+    /// The greatest distance of the centreline from the axis; at `meander_reach_m` from the source the meanders have
+    /// half of it.
     meander_m: f64,
     meander_reach_m: f64,
     meanders: [Meander; 3],
@@ -129,12 +136,12 @@ pub(super) struct Filament {
     puffs: [Puff; PUFFS],
     intermittency: f64,
     depth_m: f64,
-    /// One over the vertical variance; zero is the same at all depths.
+    /// One over the vertical variance; zero means the same at all depths.
     vertical_tightness: f64,
     pub(super) adds: Adds,
 }
 
-/// Draws the filaments, from a stream of their own.
+/// Draws the filaments from their own stream.
 pub(super) fn draw(configs: &[FilamentConfig], seed: u64) -> Result<Vec<Filament>, WorldError> {
     let count = configs.len();
     check(count <= 8, "field.filaments", count as f64, "at most 8 filaments")?;
@@ -177,7 +184,7 @@ impl Filament {
             puff.place = stream.uniform_in(0.25, 0.75);
             puff.strength = stream.uniform_in(0.25, 1.75);
         }
-        // The mean plume is that without puffs, whatever was drawn.
+        // Whatever was drawn, the mean over time must be the plume without puffs.
         let mean = puffs.iter().map(|puff| puff.strength).sum::<f64>() / PUFFS as f64;
         for puff in &mut puffs {
             puff.strength /= mean * PUFF_MEAN;
@@ -205,7 +212,7 @@ impl Filament {
         self.source
     }
 
-    /// What there is of it at a place, where 1 is the mean at the source.
+    /// Its strength at a place, as a multiple of the mean at the source.
     pub(super) fn share(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
         let from = at - self.source;
         let along_m = from.east_m * self.along.east_m + from.north_m * self.along.north_m;
@@ -213,7 +220,7 @@ impl Filament {
             return 0.0;
         }
         let right_m = from.east_m * self.along.north_m - from.north_m * self.along.east_m;
-        // Before the source it ends as round as it is wide.
+        // Upstream of the source it falls off with the same standard deviation as across.
         let (way_m, before_m) = (along_m.max(0.0), along_m.min(0.0));
         let variance_m2 = self.variance_m2 + self.growth_m * way_m;
         let nearest_m = (right_m.abs() - self.meander_m).max(0.0);
@@ -231,7 +238,7 @@ impl Filament {
         exp(-0.5 * square) * left.sqrt() * fade * puffs
     }
 
-    /// How far right of the axis its middle is.
+    /// How far the centreline is to the right of the axis, metres.
     fn centreline_m(&self, way_m: f64, drifted_m: f64) -> f64 {
         if self.meander_m == 0.0 {
             return 0.0;
@@ -243,7 +250,7 @@ impl Filament {
         grown * sum
     }
 
-    /// The puffs' own pattern, of mean 1, at a place that drifts with them.
+    /// The pattern of the puffs, with mean 1, at a place that drifts with them.
     fn puffs_at(&self, drifted_m: f64) -> f64 {
         let spacings = drifted_m * self.per_spacing;
         let cell = spacings.floor();
@@ -278,10 +285,10 @@ impl FilamentConfig {
         self.meander_wavelength_m.within(5.0, 20_000.0, key, "5 to 20000 m")?;
         let key = "field.filaments.temperature_c";
         self.temperature_c
-            .within(-400.0, 400.0, key, "within 400 degrees Celsius")?;
+            .within(-400.0, 400.0, key, "-400 to 400 degrees Celsius")?;
         let key = "field.filaments.conductivity_us_per_cm";
         self.conductivity_us_per_cm
-            .within(-100_000.0, 100_000.0, key, "within 100000 uS/cm")?;
+            .within(-100_000.0, 100_000.0, key, "-100000 to 100000 uS/cm")?;
         self.tracer.within(0.0, 1e6, "field.filaments.tracer", "0 to 1000000")?;
         if let Some(depth) = self.depth_m {
             depth.within(0.0, 12_000.0, "field.filaments.depth_m", "0 to 12000 m")?;
@@ -328,27 +335,27 @@ mod tests {
         draw(&[config], seed).unwrap().remove(0)
     }
 
-    /// East and north of the source.
+    /// The share at a place east and north of the source.
     fn at(filament: &Filament, east_m: f64, north_m: f64, seconds: f64) -> f64 {
         let time = Timestamp::from_nanos((seconds * 1e9) as u64);
         filament.share(filament.source() + EastNorth::new(east_m, north_m), 7.0, time)
     }
 
     #[test]
-    fn without_puffs_it_is_a_gaussian_plume_that_keeps_its_mass() {
+    fn without_puffs_a_filament_is_a_gaussian_plume_of_constant_mass() {
         let filament = one("intermittency = 0\ndiffusivity_m2_per_s = 0.05", 1);
         assert!((at(&filament, 0.0, 0.0, 0.0) - 1.0).abs() < 1e-12);
         for way_m in [10.0, 100.0, 1000.0] {
             let sigma_m = f64::sqrt(9.0 + 2.0 * 0.05 * way_m / 0.2);
             let expected = 3.0 / sigma_m * exp(-0.5);
             assert!((at(&filament, way_m, sigma_m, 99.0) - expected).abs() < 1e-12);
-            // Across it there is as much everywhere: σ₀ times the root of 2π.
+            // The integral across is the same at each distance: σ₀ times the square root of 2π.
             let across: f64 = (-4000..=4000)
                 .map(|step| at(&filament, way_m, 0.1 * f64::from(step), 0.0) * 0.1)
                 .sum();
             assert!((across - 3.0 * TAU.sqrt()).abs() < 1e-6, "{across}");
         }
-        // Before the source it is round, at the end it is gone.
+        // Upstream of the source it is round, and nothing is left at its end.
         assert!((at(&filament, -3.0, 0.0, 0.0) - exp(-0.5)).abs() < 1e-12);
         assert!((at(&filament, 1900.0, 0.0, 0.0) / at(&filament, 1799.0, 0.0, 0.0) - 0.5).abs() < 0.02);
         assert_eq!(at(&filament, 2000.0, 0.0, 0.0), 0.0);
@@ -357,7 +364,7 @@ mod tests {
     #[test]
     fn puffs_drift_and_their_mean_is_the_plume() {
         let filament = one("intermittency = 1\ndiffusivity_m2_per_s = 0\npuff_spacing_m = 4", 5);
-        // The row of puffs is 32 spacings, 640 s, long.
+        // The sequence of puffs is 32 spacings long, which is 640 s.
         let seen: Vec<f64> = (0..6400)
             .map(|step| at(&filament, 33.0, 0.0, 0.1 * f64::from(step)))
             .collect();
@@ -366,7 +373,7 @@ mod tests {
         let most = seen.iter().copied().fold(0.0, f64::max);
         let least = seen.iter().copied().fold(f64::MAX, f64::min);
         assert!(most > 2.0 && most < 6.0 && least < 0.1, "{least} {most}");
-        // What is here now is a hundred metres on 500 s later.
+        // The value here and now is found 100 m downstream 500 s later.
         for seconds in [0.0, 7.7, 300.0] {
             let (here, there) = (
                 at(&filament, 20.0, 1.0, seconds),
@@ -398,7 +405,7 @@ mod tests {
     }
 
     #[test]
-    fn a_filament_at_a_depth_is_felt_only_near_it() {
+    fn a_filament_at_a_depth_has_no_effect_far_from_it() {
         let filament = one("depth_m = 30\nsigma_depth_m = 2\nintermittency = 0", 1);
         let share = |depth_m| filament.share(filament.source(), depth_m, Timestamp::ZERO);
         assert!((share(30.0) - 1.0).abs() < 1e-12 && (share(32.0) - exp(-0.5)).abs() < 1e-12);
@@ -420,7 +427,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_has_no_steps(
+        fn a_filament_has_no_steps(
             seed in any::<u64>(), east in -50.0..2050.0f64, north in -60.0..60.0f64, seconds in 0.0..1e5f64,
         ) {
             let filament = one("meander_m = 20\nintermittency = 1", seed);
@@ -428,7 +435,7 @@ mod tests {
             prop_assert!((0.0..6.0).contains(&here));
             for (east_m, north_m) in [(1e-5, 0.0), (0.0, 1e-5)] {
                 let beside = at(&filament, east + east_m, north + north_m, seconds);
-                // Six at most, over the narrowest scale of a metre.
+                // The share is at most six, and its shortest scale is about a metre.
                 prop_assert!((here - beside).abs() < 1e-4, "{here} {beside}");
             }
         }

@@ -7,8 +7,8 @@ use crate::error::{WorldError, check};
 use crate::span::Span;
 use crate::stream::Stream;
 
-/// One `[[field.fronts]]`: a straight front that moves, the same at all depths. Behind it the water is other than
-/// before it, along a hyperbolic tangent.
+/// One `[[field.fronts]]`: a straight front that moves, the same at all depths. The water behind it differs from the
+/// water ahead of it, with a hyperbolic tangent in between.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrontConfig {
@@ -16,17 +16,17 @@ pub struct FrontConfig {
     pub east_m: Span,
     /// A point on it at the start, metres north of the origin.
     pub north_m: Span,
-    /// Where it moves to, square to itself, degrees clockwise from the frame's north.
+    /// The direction in which it moves, at a right angle to itself, degrees clockwise from the frame's north.
     pub towards_deg: Span,
-    /// How fast, metres a second, 0 to 5.
+    /// Its speed, metres a second, 0 to 5.
     #[serde(default = "zero")]
     pub speed_mps: Span,
     /// Its width, metres, 0.1 to 20000: 76 % of the step lies within it.
     pub width_m: Span,
-    /// What it adds to the temperature behind it, degrees Celsius, within 40.
+    /// What it adds to the temperature behind it, degrees Celsius, within ±40.
     #[serde(default = "zero")]
     pub temperature_c: Span,
-    /// What it adds to the conductivity behind it, microsiemens a centimetre, within 100000.
+    /// What it adds to the conductivity behind it, microsiemens a centimetre, within ±100000.
     #[serde(default = "zero")]
     pub conductivity_us_per_cm: Span,
 }
@@ -35,14 +35,14 @@ pub struct FrontConfig {
 pub(super) struct Front {
     /// A point on it at the start.
     from: EastNorth,
-    /// Where it moves to: one metre east and north.
+    /// Direction of its motion: a vector of one metre.
     towards: EastNorth,
     speed_mps: f64,
     per_half_width: f64,
     pub(super) adds: Adds,
 }
 
-/// Draws the fronts, from a stream of their own.
+/// Draws the fronts from their own stream.
 pub(super) fn draw(configs: &[FrontConfig], seed: u64) -> Result<Vec<Front>, WorldError> {
     let count = configs.len();
     check(count <= 8, "field.fronts", count as f64, "at most 8 fronts")?;
@@ -81,15 +81,15 @@ impl FrontConfig {
             .within(0.1, 20_000.0, "field.fronts.width_m", "0.1 to 20000 m")?;
         let key = "field.fronts.temperature_c";
         self.temperature_c
-            .within(-40.0, 40.0, key, "within 40 degrees Celsius")?;
+            .within(-40.0, 40.0, key, "-40 to 40 degrees Celsius")?;
         let key = "field.fronts.conductivity_us_per_cm";
         self.conductivity_us_per_cm
-            .within(-100_000.0, 100_000.0, key, "within 100000 uS/cm")
+            .within(-100_000.0, 100_000.0, key, "-100000 to 100000 uS/cm")
     }
 }
 
 impl Front {
-    /// How much of it has come to a place, 0 to 1.
+    /// The part of its step that has arrived at a place, 0 to 1.
     pub(super) fn share(&self, at: EastNorth, time: Timestamp) -> f64 {
         let from = at - self.from;
         let ahead_m = from.east_m * self.towards.east_m + from.north_m * self.towards.north_m
@@ -105,13 +105,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_comes_by_at_its_speed() {
+    fn a_front_moves_at_its_speed() {
         let text =
             "east_m = 100\nnorth_m = -5000\ntowards_deg = 270\nspeed_mps = 0.5\nwidth_m = 20\ntemperature_c = -2";
         let front = draw(&[toml::from_str(text).unwrap()], 1).unwrap()[0];
         let at = |east_m, seconds| front.share(EastNorth::new(east_m, 70.0), Timestamp::from_secs(seconds));
         assert!((at(100.0, 0) - 0.5).abs() < 1e-12 && (at(0.0, 200) - 0.5).abs() < 1e-9);
-        // Behind it, and before it.
+        // Behind it and ahead of it.
         assert!((at(110.0, 0) - 0.5 * (1.0 + tanh(1.0))).abs() < 1e-9);
         assert!(at(400.0, 0) > 0.999_999 && at(-400.0, 0) < 1e-9 && at(-400.0, 10_000) == 1.0);
         assert_eq!(front.adds.temperature_c, -2.0);

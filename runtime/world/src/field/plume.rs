@@ -7,13 +7,13 @@ use crate::error::{WorldError, check};
 use crate::span::Span;
 use crate::stream::Stream;
 
-/// One `[[field.plumes]]`: a Gaussian, the same at all depths unless it is given a depth.
+/// One `[[field.plumes]]`: a Gaussian, the same at all depths unless it has a depth.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlumeConfig {
-    /// Where its centre lies, metres east of the origin.
+    /// Position of its centre, metres east of the origin.
     pub east_m: Span,
-    /// Where its centre lies, metres north of the origin.
+    /// Position of its centre, metres north of the origin.
     pub north_m: Span,
     /// Its radius (one standard deviation), metres, 1 to 20000.
     pub sigma_m: Span,
@@ -23,13 +23,13 @@ pub struct PlumeConfig {
     /// What it adds to the conductivity at its centre, microsiemens a centimetre, within ±100000.
     #[serde(default = "zero")]
     pub conductivity_us_per_cm: Span,
-    /// What it adds to the tracer at its centre, in whatever unit the mission takes it, 0 to 1e6.
+    /// What it adds to the tracer at its centre, in the unit that the mission uses for it, 0 to 1e6.
     #[serde(default)]
     pub tracer: f64,
-    /// The depth of its centre, metres; none is the same at all depths.
+    /// The depth of its centre, metres; without it, the plume is the same at all depths.
     #[serde(default)]
     pub depth_m: Option<Span>,
-    /// Its vertical standard deviation, metres, 0.5 or more, where it has a depth; 10 m unless given.
+    /// Its vertical standard deviation, metres, 0.5 or more, if it has a depth; 10 m unless given.
     #[serde(default)]
     pub sigma_depth_m: Option<f64>,
 }
@@ -39,9 +39,10 @@ pub(super) struct Plume {
     centre: EastNorth,
     /// One over the radius squared.
     tightness: f64,
-    /// At its centre.
+    /// What it adds at its centre.
     pub(super) adds: Adds,
-    /// Depth of the centre, and one over the vertical radius squared; zero is the same at all depths.
+    /// Depth of the centre. `vertical_tightness` is one over the vertical radius squared; zero means the same at all
+    /// depths.
     depth_m: f64,
     vertical_tightness: f64,
 }
@@ -87,8 +88,8 @@ pub(super) fn draw(configs: &[PlumeConfig], seed: u64) -> Result<Vec<Plume>, Wor
         .collect())
 }
 
-/// The highest point of a sum of Gaussians, by mean shift from every centre: at a maximum, the point is the mean of
-/// the centres weighted by what each adds to the curvature there (Fukunaga and Hostetler, 1975).
+/// The highest point of a sum of Gaussians, found by mean shift from each centre that adds: at a maximum, the point is
+/// the mean of all centres, weighted by what each adds to the curvature there (Fukunaga and Hostetler, 1975).
 pub(super) fn maximum(plumes: &[Plume]) -> Option<EastNorth> {
     let warm = plumes.iter().any(|plume| plume.adds.temperature_c > 0.0);
     let amplitude = |plume: &Plume| {
@@ -147,12 +148,12 @@ fn validate(configs: &[PlumeConfig]) -> Result<(), WorldError> {
             -400.0,
             400.0,
             "field.plumes.temperature_c",
-            "within 400 degrees Celsius",
+            "-400 to 400 degrees Celsius",
         )?;
         let key = "field.plumes.conductivity_us_per_cm";
         plume
             .conductivity_us_per_cm
-            .within(-100_000.0, 100_000.0, key, "within 100000 uS/cm")?;
+            .within(-100_000.0, 100_000.0, key, "-100000 to 100000 uS/cm")?;
         let tracer_ok = (0.0..=1e6).contains(&plume.tracer);
         check(tracer_ok, "field.plumes.tracer", plume.tracer, "0 to 1000000")?;
         if let Some(depth) = plume.depth_m {

@@ -6,7 +6,7 @@ use crate::seawater;
 use crate::span::Span;
 use crate::stream::Stream;
 
-/// `[field.thermocline]`: the temperature drops with depth along a hyperbolic tangent, and the conductivity with it.
+/// `[field.thermocline]`: temperature and conductivity drop with depth, in the shape of a hyperbolic tangent.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ThermoclineConfig {
@@ -14,10 +14,10 @@ pub struct ThermoclineConfig {
     pub depth_m: Span,
     /// Its thickness, metres, 0.1 to 2000: 76 % of the drop lies within it.
     pub thickness_m: Span,
-    /// How much colder it is far below, degrees Celsius, within 40; a negative drop is warmer.
+    /// How much colder the water is far below, degrees Celsius, within ±40; with a negative drop it is warmer.
     pub drop_c: Span,
-    /// How much less the water conducts far below, microsiemens a centimetre, within 100000. As much as the colder
-    /// water of the same salinity does (at the surface's pressure) unless given.
+    /// How much lower the conductivity is far below, microsiemens a centimetre, within ±100000. Unless given, it is the
+    /// drop that keeps the salinity the same (at the pressure of the surface).
     #[serde(default)]
     pub conductivity_drop_us_per_cm: Option<f64>,
 }
@@ -31,17 +31,17 @@ pub(super) struct Thermocline {
 }
 
 impl ThermoclineConfig {
-    /// Draws it, from a stream of its own.
+    /// Draws it from its own stream.
     pub(super) fn draw(&self, field: &FieldConfig, seed: u64) -> Result<Thermocline, WorldError> {
         self.depth_m
             .within(0.0, 12_000.0, "field.thermocline.depth_m", "0 to 12000 m")?;
         let key = "field.thermocline.thickness_m";
         self.thickness_m.within(0.1, 2000.0, key, "0.1 to 2000 m")?;
         let key = "field.thermocline.drop_c";
-        self.drop_c.within(-40.0, 40.0, key, "within 40 degrees Celsius")?;
+        self.drop_c.within(-40.0, 40.0, key, "-40 to 40 degrees Celsius")?;
         if let Some(drop) = self.conductivity_drop_us_per_cm {
             let key = "field.thermocline.conductivity_drop_us_per_cm";
-            check(drop.abs() <= 100_000.0, key, drop, "within 100000 uS/cm")?;
+            check(drop.abs() <= 100_000.0, key, drop, "-100000 to 100000 uS/cm")?;
         }
         let mut stream = Stream::new(seed, "thermocline");
         let depth_m = self.depth_m.draw(&mut stream);
@@ -62,7 +62,7 @@ impl ThermoclineConfig {
 }
 
 impl Thermocline {
-    /// How much of the drop lies above a depth, 0 to 1.
+    /// The part of the drop that lies above a depth, 0 to 1.
     pub(super) fn share(&self, depth_m: f64) -> f64 {
         smooth_step((depth_m - self.depth_m) * self.per_half_thickness)
     }
@@ -86,7 +86,7 @@ mod tests {
     ";
 
     #[test]
-    fn it_is_a_tangent_about_its_depth() {
+    fn a_thermocline_is_a_hyperbolic_tangent_around_its_depth() {
         let field = Field::new(&toml::from_str(TEXT).unwrap(), 1).unwrap();
         let at = |depth_m| field.temperature_c(EastNorth::default(), depth_m, Timestamp::ZERO);
         assert!((at(20.0) - 14.0).abs() < 1e-12);

@@ -1,20 +1,21 @@
-//! A look at a TIFF's first directory before a decoder is let at it: a few bytes of a tag can claim gigabytes.
+//! Checks a TIFF's first directory before a decoder reads it: a tag of a few bytes can make a decoder allocate
+//! gigabytes.
 //!
-//! Source: Adobe, TIFF Revision 6.0 (1992), section 2; for BigTIFF the layout that libtiff 4 documents.
+//! Source: Adobe, TIFF Revision 6.0 (1992), section 2; for BigTIFF, the layout that libtiff 4 documents.
 
 use std::collections::BTreeSet;
 
 use super::{CELLS_MAX, geotiff::fault};
 use crate::error::WorldError;
 
-/// The most tags that are read; real files have about twenty.
+/// The greatest number of tags that is accepted; real files have about twenty.
 const TAGS_MAX: u64 = 1024;
-/// The widest and highest tile.
+/// The greatest width and height of a tile.
 const TILE_MAX: u64 = 65_536;
 
-/// Refuses a first directory whose values do not lie in the file, whose image has over one band or over 25 million
-/// cells, or whose tiles are huge. What passes keeps a decoder's memory within a small multiple of the file's length
-/// and of the image.
+/// Rejects a first directory if its values do not lie inside the file, if its image has more than one band or more than
+/// 25 million cells, or if its tiles are huge. For a file that passes, a decoder's memory stays within a small multiple
+/// of the sizes of file and image.
 pub(super) fn inspect(bytes: &[u8]) -> Result<(), WorldError> {
     let mut file = File {
         bytes,
@@ -39,10 +40,15 @@ pub(super) fn inspect(bytes: &[u8]) -> Result<(), WorldError> {
         let entry = directory + count_size + index * entry_size;
         let tag = file.unsigned(entry, 2)?;
         if !seen.insert(tag) {
-            return Err(fault("the directory", format!("tag {tag} twice"), "each tag once"));
+            return Err(fault(
+                "the directory",
+                format!("ambiguous: it has tag {tag} twice"),
+                "each tag once",
+            ));
         }
         let first = file.value(entry)?;
-        // What is no unsigned number is refused with the rest: a decoder may read it as one.
+        // A value that is not an unsigned number counts as the greatest one and is rejected below, because a decoder
+        // may read it as a number.
         let number = first.unwrap_or(u64::MAX);
         match tag {
             256 => width = number,
@@ -86,11 +92,11 @@ impl File<'_> {
         let range = || Some(usize::try_from(at).ok()?..usize::try_from(at.checked_add(size)?).ok()?);
         range().and_then(|range| self.bytes.get(range)).ok_or_else(|| {
             let found = format!("{} bytes long", self.bytes.len());
-            fault("the file", found, "all that its tags point at: it is cut")
+            fault("the file", found, "everything that its tags point to: it is truncated")
         })
     }
 
-    /// Checks that the values of a directory's entry lie in the file, and gives the first one where it is an unsigned
+    /// Checks that the values of a directory entry lie inside the file. Returns the first value if it is an unsigned
     /// number.
     fn value(&self, entry: u64) -> Result<Option<u64>, WorldError> {
         let (count_size, room) = if self.big { (8, 8) } else { (4, 4) };

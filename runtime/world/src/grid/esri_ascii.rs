@@ -3,10 +3,10 @@ use std::sync::Arc;
 use super::{CELLS_MAX, Grid, Layout, NO_DATA, VALUE_EXPECTED, VALUE_MAX_M, quoted};
 use crate::error::WorldError;
 
-/// What cells without a value hold where the header does not say: ESRI's own default.
+/// The value of cells without data if the header does not give one: ESRI's default.
 const NO_DATA_DEFAULT: f64 = -9999.0;
 
-/// The numbers of the header, each with the line it stands on.
+/// The numbers of the header, each with its line.
 #[derive(Default)]
 struct Header {
     ncols: Option<(usize, f64)>,
@@ -34,16 +34,16 @@ pub(super) fn read(text: &str) -> Result<Grid, WorldError> {
             return Err(fault(
                 line,
                 format!("{} without a value", quoted(key)),
-                "a number after it",
+                "a number after the key",
             ));
         };
-        // Cells without a value may be marked by what is not a number.
+        // Cells without data may be marked with NaN or an infinity.
         let value = match word.parse::<f64>() {
             Ok(value) if value.is_finite() || key.eq_ignore_ascii_case("nodata_value") => value,
             _ => return Err(fault(value_line, quoted(word), format!("a number for {}", quoted(key)))),
         };
         if slot.replace((value_line, value)).is_some() {
-            return Err(fault(line, format!("{} again", quoted(key)), "each key once"));
+            return Err(fault(line, format!("a second {}", quoted(key)), "each key once"));
         }
     }
     let values_line = words.peek().map_or(last_line, |(line, _)| *line);
@@ -51,7 +51,8 @@ pub(super) fn read(text: &str) -> Result<Grid, WorldError> {
     let no_data = header.nodata_value.map_or(NO_DATA_DEFAULT, |(_, value)| value);
     let count = layout.columns * layout.rows;
     let shape = || format!("{count} values ({} rows of {})", layout.rows, layout.columns);
-    // A value takes two bytes of text at least: a header cannot claim memory that the text does not pay for.
+    // A value takes at least two bytes of text. So a header cannot make us allocate more memory than the length of the
+    // text justifies.
     let mut values = Vec::with_capacity(count.min(text.len() / 2 + 1));
     for (line, word) in words {
         if values.len() == count {
@@ -85,7 +86,7 @@ pub(super) fn read(text: &str) -> Result<Grid, WorldError> {
     })
 }
 
-/// Whether a word of the header is a key; a value that is not a number is none.
+/// Whether a word of the header is a key. `nan` and `inf` are values, not keys.
 fn is_key(word: &str) -> bool {
     word.starts_with(|first: char| first.is_ascii_alphabetic()) && word.parse::<f64>().is_err()
 }
@@ -111,7 +112,13 @@ impl Header {
 
     fn layout(&self, values_line: usize) -> Result<Layout, WorldError> {
         let given = |slot: Option<(usize, f64)>, key: &str| {
-            slot.ok_or_else(|| fault(values_line, format!("no `{key}` before the values"), "it in the header"))
+            slot.ok_or_else(|| {
+                fault(
+                    values_line,
+                    format!("no `{key}` before the values"),
+                    "this key in the header",
+                )
+            })
         };
         let columns = count(given(self.ncols, "ncols")?, "ncols")?;
         let rows = count(given(self.nrows, "nrows")?, "nrows")?;
@@ -122,7 +129,11 @@ impl Header {
         }
         let (line, cell) = given(self.cellsize, "cellsize")?;
         if !(cell > 0.0 && cell <= 1e6) {
-            return Err(fault(line, format!("a cellsize of {cell}"), "above 0 to 1000000"));
+            return Err(fault(
+                line,
+                format!("a cellsize of {cell}"),
+                "more than 0, at most 1000000",
+            ));
         }
         let west = first_centre(self.xllcorner, self.xllcenter, cell, "xllcorner", values_line)?;
         let south = first_centre(self.yllcorner, self.yllcenter, cell, "yllcorner", values_line)?;
@@ -140,7 +151,7 @@ impl Header {
 
 /// A number of rows or columns.
 fn count((line, value): (usize, f64), key: &str) -> Result<usize, WorldError> {
-    // The bound keeps the product of two of them within a machine word.
+    // The bound keeps the product of two such numbers within a machine word.
     if value.fract() == 0.0 && (2.0..=CELLS_MAX as f64).contains(&value) {
         Ok(value as usize)
     } else {
@@ -160,17 +171,17 @@ fn first_centre(
         (Some((line, corner)), None) => (line, corner + 0.5 * cell),
         (None, Some(centre)) => centre,
         (Some((line, _)), Some(_)) => {
-            return Err(fault(line, format!("`{key}` beside the centre"), "one of the two"));
+            return Err(fault(line, format!("both `{key}` and the centre"), "one of the two"));
         }
         (None, None) => {
             let found = format!("no `{key}` before the values");
-            return Err(fault(values_line, found, "it, or the centre, in the header"));
+            return Err(fault(values_line, found, "the corner or the centre in the header"));
         }
     };
     if at.abs() <= 1e9 {
         Ok(at)
     } else {
-        Err(fault(line, format!("{at}"), "a coordinate within 1e9"))
+        Err(fault(line, format!("{at}"), "a coordinate, -1e9 to 1e9"))
     }
 }
 
@@ -195,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn corner_and_centre_any_case_any_lines() {
+    fn a_header_may_have_corner_or_centre_any_case_any_lines() {
         let grid = read(TEXT).unwrap();
         let layout = grid.layout();
         assert_eq!((layout.west, layout.north, layout.cell_east), (105.0, -35.0, 10.0));
@@ -205,7 +216,7 @@ mod tests {
         let other = "\u{feff}NROWS 2 NCOLS 3\r\nCellSize 1e1\r\nXLLCENTER 105 YLLCENTRE -45\r\nnodata_VALUE -1\r\n\
                      1\r\n2 3 4.0\r\n\r\n+5 -1";
         assert_eq!(read(other).unwrap(), grid);
-        // ESRI's own default, and what is not a number where the header says so.
+        // ESRI's default, and NaN if the header says so.
         let absent = TEXT.replace("NODATA_value -1\n", "").replace("5 -1", "5 -9999");
         assert_eq!(read(&absent).unwrap(), grid);
         let nan = TEXT
@@ -230,23 +241,23 @@ mod tests {
         );
         assert_eq!(
             fault("2 3", "2 x"),
-            "grid, line 7: `x`, expected a number within 12000 m"
+            "grid, line 7: `x`, expected a number, -12000 to 12000 m"
         );
         assert_eq!(
             fault("2 3", "nan 3"),
-            "grid, line 7: `nan`, expected a number within 12000 m"
+            "grid, line 7: `nan`, expected a number, -12000 to 12000 m"
         );
         assert_eq!(
             fault("2 3", "2 inf"),
-            "grid, line 7: `inf`, expected a number within 12000 m"
+            "grid, line 7: `inf`, expected a number, -12000 to 12000 m"
         );
         assert_eq!(
             fault("2 3", "2 30000"),
-            "grid, line 7: `30000`, expected a number within 12000 m"
+            "grid, line 7: `30000`, expected a number, -12000 to 12000 m"
         );
         assert_eq!(
             fault("cellsize 10", "cellsize 0"),
-            "grid, line 5: a cellsize of 0, expected above 0 to 1000000"
+            "grid, line 5: a cellsize of 0, expected more than 0, at most 1000000"
         );
         assert_eq!(
             fault("cellsize 10", "cellsize nan"),
@@ -254,19 +265,19 @@ mod tests {
         );
         assert_eq!(
             fault("cellsize 10\n", ""),
-            "grid, line 6: no `cellsize` before the values, expected it in the header"
+            "grid, line 6: no `cellsize` before the values, expected this key in the header"
         );
         assert_eq!(
             fault("xllcorner 100\n", ""),
-            "grid, line 6: no `xllcorner` before the values, expected it, or the centre, in the header"
+            "grid, line 6: no `xllcorner` before the values, expected the corner or the centre in the header"
         );
         assert_eq!(
             fault("xllcorner 100", "xllcorner 100 xllcenter 100"),
-            "grid, line 3: `xllcorner` beside the centre, expected one of the two"
+            "grid, line 3: both `xllcorner` and the centre, expected one of the two"
         );
         assert_eq!(
             fault("nrows 2", "nrows 2 nrows 2"),
-            "grid, line 2: `nrows` again, expected each key once"
+            "grid, line 2: a second `nrows`, expected each key once"
         );
         assert_eq!(
             fault("ncols 3", "ncols 2.5"),
@@ -283,11 +294,11 @@ mod tests {
         assert!(fault("ncols", "columns").starts_with("grid, line 1: `columns`, expected ncols, nrows,"));
         assert_eq!(
             message("ncols"),
-            "grid, line 1: `ncols` without a value, expected a number after it"
+            "grid, line 1: `ncols` without a value, expected a number after the key"
         );
         assert_eq!(
             message(""),
-            "grid, line 1: no `ncols` before the values, expected it in the header"
+            "grid, line 1: no `ncols` before the values, expected this key in the header"
         );
     }
 }

@@ -8,8 +8,8 @@ use tiff::{ColorType, TiffError};
 use super::{Grid, GridFrame, Layout, NO_DATA, VALUE_EXPECTED, VALUE_MAX_M, directory, quoted};
 use crate::error::WorldError;
 
-/// The most that LZW and deflate can pack: a 12-bit LZW code stands for up to 4 kB, deflate reaches 1032 to 1
-/// (zlib's technical details).
+/// The greatest ratio of packing by LZW and deflate: a 12-bit LZW code stands for up to 4 kB, and deflate reaches 1032
+/// to 1 (zlib's technical details).
 const PACKING_MAX: usize = 1400;
 /// GTModelTypeGeoKey and GTRasterTypeGeoKey: GeoTIFF 1.1, section 7.5.
 const MODEL_TYPE: u16 = 1024;
@@ -31,7 +31,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Grid, WorldError> {
         return Err(fault(
             "the file",
             found,
-            "enough for the image that its tags claim: it is cut",
+            "enough for the image that its tags describe: it is truncated",
         ));
     }
     let layout = layout(&mut decoder, columns, rows)?;
@@ -47,7 +47,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Grid, WorldError> {
         DecodingResult::I16(values) => cells(columns, no_data, values.into_iter().map(f64::from)),
         DecodingResult::U32(values) => cells(columns, no_data, values.into_iter().map(f64::from)),
         DecodingResult::I32(values) => cells(columns, no_data, values.into_iter().map(f64::from)),
-        // The text of the tag may have more digits than the cells.
+        // The tag is a text and may have more digits than the cells, so it is rounded as they are.
         DecodingResult::F32(values) => {
             let no_data = no_data.map(|value| f64::from(value as f32));
             cells(columns, no_data, values.into_iter().map(f64::from))
@@ -71,7 +71,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Grid, WorldError> {
 
 const SAMPLES_EXPECTED: &str = "one band of integers of 8, 16 or 32 bits, or floats of 32 or 64";
 
-/// Bytes of a cell.
+/// Bytes per cell.
 fn sample_bytes(decoder: &mut Source<'_>) -> Result<usize, WorldError> {
     let color = decoder.colortype().map_err(unreadable)?;
     if let ColorType::Gray(bits) = color
@@ -126,13 +126,13 @@ fn layout(decoder: &mut Source<'_>, columns: usize, rows: usize) -> Result<Layou
             return Err(fault(
                 "ModelTiepoint (33922)",
                 format!("{number}"),
-                "coordinates within 1e9",
+                "coordinates, -1e9 to 1e9",
             ));
         }
     }
     let keys = geo_keys(decoder)?;
     let key = |wanted: u16| keys.iter().find(|(key, _)| *key == wanted).map(|(_, value)| *value);
-    // Pixel is area, the default: raster coordinates are of corners. Pixel is point: of centres.
+    // With PixelIsArea, the default, raster coordinates are those of corners; with PixelIsPoint, those of centres.
     let half = if key(RASTER_TYPE) == Some(2) { 0.0 } else { 0.5 };
     Ok(Layout {
         columns,
@@ -149,7 +149,7 @@ fn layout(decoder: &mut Source<'_>, columns: usize, rows: usize) -> Result<Layou
     })
 }
 
-/// The keys of the GeoKeyDirectory whose value stands in the directory itself.
+/// The keys of the GeoKeyDirectory that have their value in the directory itself.
 fn geo_keys(decoder: &mut Source<'_>) -> Result<Vec<(u16, u16)>, WorldError> {
     let Some(value) = decoder.find_tag(Tag::GeoKeyDirectoryTag).map_err(unreadable)? else {
         return Ok(Vec::new());
@@ -180,7 +180,7 @@ fn floats(decoder: &mut Source<'_>, tag: Tag) -> Result<Vec<f64>, WorldError> {
 
 fn absent(numbers: &[f64]) -> String {
     if numbers.is_empty() {
-        "not there".to_owned()
+        "missing".to_owned()
     } else {
         format!("{} numbers", numbers.len())
     }
@@ -194,7 +194,7 @@ fn unreadable(error: TiffError) -> WorldError {
     fault(
         "the file",
         format!("unreadable ({found})"),
-        "a GeoTIFF of one band, whole",
+        "a complete GeoTIFF with one band",
     )
 }
 

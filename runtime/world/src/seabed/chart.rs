@@ -11,14 +11,14 @@ const E2: f64 = 6.694_379_990_14e-3;
 /// Second eccentricity squared.
 const EP2: f64 = E2 / (1.0 - E2);
 
-/// A grid laid into a world's frame.
+/// A grid, placed in a world's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Chart {
     grid: Grid,
     place: Place,
-    /// 1 where the grid holds depths, -1 where it holds elevations.
+    /// 1 if the grid holds depths, -1 if it holds elevations.
     sign: f64,
-    /// What stands in for a cell without data, as the grid would hold it.
+    /// The value of a cell without data, with the sign of the grid's values.
     no_data: f64,
 }
 
@@ -27,7 +27,7 @@ enum Place {
     Local,
     Geographic {
         frame: LocalFrame,
-        /// Longitude of the grid's middle: longitudes are counted from there, so that a grid may cross 180 degrees.
+        /// Longitude of the grid's middle. Longitudes are counted from there, so a grid can cross 180 degrees.
         middle_deg: f64,
     },
 }
@@ -37,19 +37,15 @@ impl Chart {
         let layout = grid.layout();
         let kind = config.grid_frame.unwrap_or_default();
         let as_declared = layout.declared.is_none_or(|declared| declared == kind);
-        agree(
-            as_declared,
-            "seabed.grid_frame",
-            "what the GeoTIFF's own GTModelType says",
-        )?;
+        agree(as_declared, "seabed.grid_frame", "what GTModelType in the GeoTIFF says")?;
         let (place, distance_m) = match kind {
             GridFrame::Local => (Place::Local, local_distance_m(layout)),
             GridFrame::Geographic => geographic(layout, frame)?,
         };
-        let expected = "some of it within 50 km of the origin (are its coordinates as grid_frame says?)";
+        let expected = "at most 50000 (is grid_frame right?)";
         check(
             distance_m <= LocalFrame::RADIUS_M,
-            "the grid's distance, metres,",
+            "the grid's distance from the origin, metres,",
             distance_m.round(),
             expected,
         )?;
@@ -73,7 +69,7 @@ impl Chart {
         })
     }
 
-    /// Whether a place lies on the grid, the outer halves of its edge cells included.
+    /// Whether a place lies on the grid, including the outer halves of the cells at its edge.
     pub(super) fn covers(&self, at: EastNorth) -> bool {
         let (west, east, south, north) = edges(self.grid.layout());
         let (x, y) = match &self.place {
@@ -90,7 +86,7 @@ impl Chart {
         (west..=east).contains(&x) && (south..=north).contains(&y)
     }
 
-    /// Depth in metres and its gradient, before the bounds.
+    /// Depth in metres and its gradient, before `depth_min_m` and `depth_max_m` are applied.
     pub(super) fn depth_and_gradient(&self, at: EastNorth) -> (f64, EastNorth) {
         match &self.place {
             Place::Local => {
@@ -104,7 +100,8 @@ impl Chart {
                 let x = middle_deg + wrap_180(longitude_deg - middle_deg);
                 let sample = self.grid.sample(x, latitude_deg, self.no_data);
                 let (east_deg, north_deg) = degrees_per_metre(position, at.east_m);
-                // Both along the meridian's own east and north, which the frame's are turned from by the convergence.
+                // These slopes are along true east and north. The frame's axes are turned from those by the
+                // convergence.
                 let (east, north) = (sample.slope_east * east_deg, sample.slope_north * north_deg);
                 let (sin, cos) = sin_cos(frame.convergence_deg(position).to_radians());
                 let gradient = EastNorth::new(east * cos - north * sin, east * sin + north * cos);
@@ -114,8 +111,8 @@ impl Chart {
     }
 }
 
-/// Degrees of longitude and of latitude that a metre of the frame is, east and north: the radii of curvature, and the
-/// frame's scale (Snyder, USGS Professional Paper 1395, 1987, equations 4-18, 4-20 and 8-16).
+/// How many degrees of longitude a metre to the east is, and of latitude a metre to the north, from the radii of
+/// curvature and the frame's scale (Snyder, USGS Professional Paper 1395, 1987, equations 4-18, 4-20 and 8-16).
 fn degrees_per_metre(position: Position, east_m: f64) -> (f64, f64) {
     let (sin, cos) = sin_cos(position.latitude.as_deg().to_radians());
     let w = 1.0 - E2 * sin * sin;
@@ -138,7 +135,7 @@ fn edges(layout: &Layout) -> (f64, f64, f64, f64) {
     (west, east, south, north)
 }
 
-/// From the origin to the nearest point of the grid, metres.
+/// Distance from the origin to the nearest point of the grid, metres.
 fn local_distance_m(layout: &Layout) -> f64 {
     let (west, east, south, north) = edges(layout);
     hypot(0f64.clamp(west, east), 0f64.clamp(south, north))
@@ -147,12 +144,32 @@ fn local_distance_m(layout: &Layout) -> f64 {
 fn geographic(layout: &Layout, frame: &LocalFrame) -> Result<(Place, f64), WorldError> {
     let (west, east, south, north) = edges(layout);
     let key = "the grid's edge, degrees,";
-    // Half a cell of slack: a global grid's centres may lie on the poles.
+    // Half a cell of tolerance, because the outermost centres of a global grid may lie on the poles.
     let pole = 90.0 + 0.5 * layout.cell_north;
-    check(south >= -pole, key, south, "a latitude: grid_frame is geographic")?;
-    check(north <= pole, key, north, "a latitude: grid_frame is geographic")?;
-    check(west >= -360.0, key, west, "a longitude: grid_frame is geographic")?;
-    check(east <= 540.0, key, east, "a longitude: grid_frame is geographic")?;
+    check(
+        south >= -pole,
+        key,
+        south,
+        "a latitude, because grid_frame is geographic",
+    )?;
+    check(
+        north <= pole,
+        key,
+        north,
+        "a latitude, because grid_frame is geographic",
+    )?;
+    check(
+        west >= -360.0,
+        key,
+        west,
+        "a longitude, because grid_frame is geographic",
+    )?;
+    check(
+        east <= 540.0,
+        key,
+        east,
+        "a longitude, because grid_frame is geographic",
+    )?;
     let middle_deg = 0.5 * (west + east);
     let origin = frame.origin();
     let from_middle_deg = wrap_180(origin.longitude.as_deg() - middle_deg);
@@ -170,7 +187,8 @@ fn geographic(layout: &Layout, frame: &LocalFrame) -> Result<(Place, f64), World
     ))
 }
 
-/// Straight through a sphere from one latitude and longitude to another: near enough for a bound, and right for any two.
+/// Length of the straight line through a spherical earth between two latitudes and longitudes. It is exact enough for a
+/// bound, and works for any two points.
 fn chord_m(one_deg: [f64; 2], other_deg: [f64; 2]) -> f64 {
     let point = |[latitude_deg, longitude_deg]: [f64; 2]| {
         let ((sin_lat, cos_lat), (sin_lon, cos_lon)) =
@@ -203,13 +221,13 @@ mod tests {
     fn a_local_grid_is_bilinear_with_its_own_gradient() {
         let grid = Grid::from_esri_ascii(&LOCAL.replace("-9999", "42")).unwrap();
         let chart = Chart::new(&config(""), &frame(42.0, -70.0), grid).unwrap();
-        // At the centre of a cell, and halfway between four.
+        // At the centre of a cell, and in the middle between four.
         assert_eq!(chart.depth_and_gradient(EastNorth::new(-150.0, 0.0)).0, 20.0);
         let (depth_m, gradient) = chart.depth_and_gradient(EastNorth::new(0.0, 50.0));
         assert_eq!(depth_m, (12.0 + 14.0 + 23.0 + 26.0) / 4.0);
         assert!((gradient.east_m - 2.5 / 100.0).abs() < 1e-12);
         assert!((gradient.north_m + 11.5 / 100.0).abs() < 1e-12);
-        // Beyond the edge: the nearest cell's depth, level.
+        // Beyond the edge the depth is that of the nearest cell, and the bed is level.
         let (depth_m, gradient) = chart.depth_and_gradient(EastNorth::new(9000.0, 9000.0));
         assert_eq!((depth_m, gradient), (16.0, EastNorth::default()));
     }
@@ -232,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_of_somewhere_else_is_refused() {
+    fn a_grid_far_from_the_origin_is_refused() {
         let here = frame(42.0, -70.0);
         let message = |header: &str, text: &str| {
             let grid = Grid::from_esri_ascii(&format!("ncols 2 nrows 2 {header}\n1 2 3 4")).unwrap();
@@ -240,20 +258,19 @@ mod tests {
         };
         assert_eq!(
             message("xllcorner 330000 yllcorner 0 cellsize 10", ""),
-            "the grid's distance, metres, is 330000, expected some of it within 50 km of the origin (are its coordinates \
-             as grid_frame says?)"
+            "the grid's distance from the origin, metres, is 330000, expected at most 50000 (is grid_frame right?)"
         );
         let geographic = "grid_frame = \"geographic\"";
         let message = message("xllcorner -71 yllcorner 4650000 cellsize 10", geographic);
         assert!(
-            message.ends_with("expected a latitude: grid_frame is geographic"),
+            message.ends_with("expected a latitude, because grid_frame is geographic"),
             "{message}"
         );
         let far = Grid::from_esri_ascii("ncols 2 nrows 2 xllcorner 109 yllcorner -42 cellsize 1\n1 2 3 4").unwrap();
         assert!(Chart::new(&config(geographic), &here, far).is_err());
     }
 
-    /// A tilted plane in longitude and latitude, which bilinear cells carry exactly.
+    /// A tilted plane in longitude and latitude, which bilinear cells represent exactly.
     fn plane(west: f64, south: f64, cell: f64) -> Grid {
         let mut text = format!("ncols 9 nrows 9 xllcenter {west} yllcenter {south} cellsize {cell}\n");
         for row in (0..9).rev() {
@@ -281,7 +298,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_gradient_of_a_geographic_grid_is_its_own(
+        fn the_gradient_of_a_geographic_grid_is_the_derivative_of_its_depth(
             latitude in -80.0..80.0f64, east in -45_000.0..45_000.0f64, north in -45_000.0..45_000.0f64,
         ) {
             let here = frame(latitude, 10.0);

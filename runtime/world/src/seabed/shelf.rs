@@ -7,7 +7,7 @@ use crate::stream::Stream;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Meander {
     amplitude_m: f64,
-    /// Radians a metre, east and north.
+    /// Wave vector, radians per metre.
     wave: EastNorth,
     phase_rad: f64,
 }
@@ -20,18 +20,18 @@ struct Bank {
     tightness: f64,
 }
 
-/// The analytic seabed: a shelf with meanders and banks that a seed has drawn.
+/// The analytic seabed: a shelf with meanders and banks, drawn by a seed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Shelf {
     depth_m: f64,
-    /// Metres down a metre, east and north.
+    /// Gradient of the depth, metres per metre.
     slope: EastNorth,
     meanders: Vec<Meander>,
     banks: Vec<Bank>,
 }
 
 impl Shelf {
-    /// Draws a shelf from a configuration that is within its ranges.
+    /// Draws a shelf from a validated configuration.
     pub(super) fn new(config: &SeabedConfig, seed: u64) -> Self {
         let mut stream = Stream::new(seed, "seabed");
         let depth_m = config.depth_m.draw(&mut stream);
@@ -71,7 +71,7 @@ impl Shelf {
         }
     }
 
-    /// Depth in metres and its gradient, before the bounds.
+    /// Depth in metres and its gradient, before `depth_min_m` and `depth_max_m` are applied.
     pub(super) fn depth_and_gradient(&self, at: EastNorth) -> (f64, EastNorth) {
         let mut depth_m = self.depth_m + self.slope.east_m * at.east_m + self.slope.north_m * at.north_m;
         let mut gradient = self.slope;

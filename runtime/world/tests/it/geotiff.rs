@@ -1,4 +1,5 @@
-//! GeoTIFF grids: by the decoder's own encoder where it writes them, by hand where it does not (tiles, big endian).
+//! GeoTIFF grids: from the decoder's own encoder where it can write them, and built by hand where it cannot (tiles, big
+//! endian).
 
 use std::io::Cursor;
 
@@ -13,7 +14,7 @@ pub(crate) const VALUES: [i16; 20] = [
     10, 11, 12, 13, 14, 20, 21, 22, 23, 24, 30, 31, 32, 33, 34, 40, 41, 42, 43, -999,
 ];
 
-/// Tags of a north-up grid of 10 m cells whose north-western corner is 25 m west and 20 m north of the origin.
+/// A GeoTIFF of a north-up grid of 10 m cells whose north-western corner is 25 m west and 20 m north of the origin.
 fn encode<C: ColorType>(values: &[C::Inner], compression: Compression, predictor: Predictor) -> Vec<u8>
 where
     [C::Inner]: TiffValue,
@@ -39,7 +40,7 @@ pub(crate) fn float_grid() -> Vec<u8> {
     encode::<Gray32Float>(&values, Compression::Deflate(Default::default()), Predictor::None)
 }
 
-/// What every encoding of [`VALUES`] must read as.
+/// The grid that every encoding of [`VALUES`] must give.
 fn expected() -> Grid {
     let mut text = "ncols 5 nrows 4 xllcorner -25 yllcorner -20 cellsize 10 nodata_value -999".to_owned();
     for value in VALUES {
@@ -49,7 +50,7 @@ fn expected() -> Grid {
 }
 
 #[test]
-fn integers_and_floats_packed_and_not() {
+fn integers_and_floats_are_read_packed_and_unpacked() {
     let expected = expected();
     let float: Vec<f32> = VALUES.iter().map(|value| f32::from(*value)).collect();
     let double: Vec<f64> = VALUES.iter().map(|value| f64::from(*value)).collect();
@@ -74,7 +75,7 @@ fn integers_and_floats_packed_and_not() {
 }
 
 #[test]
-fn unsigned_integers_too() {
+fn unsigned_integers_are_read() {
     let words: Vec<u16> = VALUES.iter().map(|value| value.unsigned_abs()).collect();
     let bytes: Vec<u8> = words.iter().map(|value| (*value).min(255) as u8).collect();
     let grid = Grid::from_geotiff(&encode::<Gray16>(&words, Compression::Lzw, Predictor::None)).unwrap();
@@ -84,7 +85,7 @@ fn unsigned_integers_too() {
 }
 
 #[test]
-fn big_tiffs_too() {
+fn big_tiffs_are_read() {
     let mut bytes = Cursor::new(Vec::new());
     let mut encoder = TiffEncoder::new_big(&mut bytes).unwrap();
     let mut image = encoder.new_image::<GrayI16>(5, 4).unwrap();
@@ -102,7 +103,7 @@ fn big_tiffs_too() {
 }
 
 #[test]
-fn a_world_stands_on_it() {
+fn a_world_uses_a_geotiff_grid() {
     let text = "
         [origin]
         latitude_deg = 42.3
@@ -119,20 +120,18 @@ fn a_world_stands_on_it() {
     assert_eq!(world.water_depth_m(EastNorth::new(20.0, -15.0)), 50.0);
     let gradient = world.gradient(EastNorth::new(-10.0, 10.0));
     assert!((gradient.east_m - 0.1).abs() < 1e-12 && (gradient.north_m + 1.0).abs() < 1e-12);
-    // A name without a grid, a grid without a name.
+    // A name without a grid and a grid without a name are refused.
     assert!(World::new(&config, 1).is_err());
     let unnamed = WorldConfig {
         seabed: backseat_world::SeabedConfig::default(),
         ..config
     };
     let error = World::with_grid(&unnamed, 1, Some(grid)).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "seabed.grid: expected the name of the grid that is given"
-    );
+    assert_eq!(error.to_string(), "seabed.grid: expected the name of the grid's file");
 }
 
-/// A TIFF by hand, big endian, uncompressed: tags as (number, type, values), and the pixels behind them.
+/// A TIFF built by hand: big endian and uncompressed, with tags as (number, type, values), and with the pixels after
+/// them.
 fn by_hand(tags: &[(u16, u16, Vec<f64>)], pixels: &[u8]) -> Vec<u8> {
     let mut bytes = b"MM\0\x2a\0\0\0\x08".to_vec();
     let directory = 8 + 2 + 12 * tags.len() + 4;
@@ -166,7 +165,7 @@ fn by_hand(tags: &[(u16, u16, Vec<f64>)], pixels: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Tags of a 3 by 2 image of 16-bit integers in one tile of 16 by 16, as far as TIFF itself goes.
+/// A TIFF of 3 by 2 integers of 16 bits in one tile of 16 by 16, with these additional tags.
 pub(crate) fn tiled(more: &[(u16, u16, Vec<f64>)]) -> Vec<u8> {
     let mut pixels = vec![0u8; 512];
     for (index, value) in [(0, 7u16), (1, 8), (2, 9), (16, 17), (17, 18), (18, 19)] {
@@ -206,7 +205,7 @@ pub(crate) fn georeference() -> Vec<(u16, u16, Vec<f64>)> {
 }
 
 #[test]
-fn tiles_points_and_what_the_file_says_of_itself() {
+fn tiles_points_and_the_files_own_frame_are_read() {
     let grid = Grid::from_geotiff(&tiled(&georeference())).unwrap();
     assert_eq!((grid.columns(), grid.rows()), (3, 2));
     assert_eq!((grid.value(0, 2), grid.value(1, 0)), (Some(9.0), Some(17.0)));
@@ -216,19 +215,19 @@ fn tiles_points_and_what_the_file_says_of_itself() {
         ))
         .unwrap()
     };
-    // Pixel is point: the tie point is the centre of the second column and row.
+    // The pixel is a point: the tie point is the centre of the second column and row.
     let world = World::with_grid(&config("geographic"), 1, Some(grid.clone())).unwrap();
     let depth_m = world.water_depth_m(EastNorth::default());
     assert!((depth_m - 18.0).abs() < 1e-6, "{depth_m}");
     let error = World::with_grid(&config("local"), 1, Some(grid)).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "seabed.grid_frame: expected what the GeoTIFF's own GTModelType says"
+        "seabed.grid_frame: expected what GTModelType in the GeoTIFF says"
     );
 }
 
 #[test]
-fn what_is_missing_is_named() {
+fn missing_and_invalid_tags_are_named() {
     let message = |bytes: &[u8]| {
         let message = Grid::from_geotiff(bytes).unwrap_err().to_string();
         assert!(!message.contains('\n'), "{message}");
@@ -236,7 +235,7 @@ fn what_is_missing_is_named() {
     };
     assert_eq!(
         message(&tiled(&[])),
-        "grid, GeoTIFF: ModelPixelScale (33550) is not there, expected two numbers above 0: the width and height of a \
+        "grid, GeoTIFF: ModelPixelScale (33550) is missing, expected two numbers above 0: the width and height of a \
          pixel"
     );
     let mut tags = georeference();
@@ -263,7 +262,7 @@ fn what_is_missing_is_named() {
     let bytes = encode::<Gray32Float>(&values, Compression::Uncompressed, Predictor::None);
     assert_eq!(
         message(&bytes),
-        "grid, GeoTIFF: a cell is 1000000000 (row 2, column 3), expected a number within 12000 m"
+        "grid, GeoTIFF: a cell is 1000000000 (row 2, column 3), expected a number, -12000 to 12000 m"
     );
     values[7] = f32::NAN;
     let bytes = encode::<Gray32Float>(&values, Compression::Uncompressed, Predictor::None);

@@ -1,4 +1,4 @@
-//! What older configurations draw stays bit for bit: recorded runs depend on it.
+//! Older configurations draw the same bits as before, because recorded runs depend on them.
 
 use backseat_units::{EastNorth, Timestamp};
 use backseat_world::{World, WorldConfig};
@@ -31,7 +31,7 @@ const TEXT: &str = "
     depth_m = [5, 30]
 ";
 
-/// A configuration with all that came later.
+/// A configuration with all sections that came later.
 const LATER: &str = "
     [origin]
     latitude_deg = 42.3
@@ -82,7 +82,7 @@ const LATER: &str = "
 ";
 
 #[test]
-fn configurations_without_the_newer_sections_draw_what_they_always_drew() {
+fn configurations_without_the_newer_sections_draw_the_same_as_before() {
     assert_eq!(
         digest(TEXT),
         "e5d4e893ab8fabcae54a8d22fee463a1654d5dbd07058d46a4a0fbdac4fbe07c"
@@ -97,7 +97,7 @@ fn the_newer_sections_draw_the_same_everywhere() {
     );
 }
 
-/// Of what twenty seeds draw, along a way through time and space.
+/// A digest of what twenty seeds draw along a path through time and space.
 fn digest(text: &str) -> String {
     let config: WorldConfig = toml::from_str(text).unwrap();
     let mut digest = Sha256::new();

@@ -1,4 +1,4 @@
-//! Files that are none: no bytes make a reader panic, or take memory that their length does not pay for.
+//! Invalid files: no bytes make a reader panic, or take more memory than their length justifies.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use crate::geotiff::{float_grid, georeference, tiled};
 
-/// Counts what this thread holds, and the most that it held.
+/// Counts the memory that this thread has allocated, and the most that it had.
 struct Counting;
 
 thread_local! {
@@ -24,19 +24,19 @@ fn count(bytes: isize) {
 
 #[expect(
     unsafe_code,
-    reason = "an allocator can't be written without; it only counts and passes on"
+    reason = "an allocator needs unsafe code; this one only counts and passes the calls on"
 )]
-// SAFETY: every call goes to the system's allocator as it came.
+// SAFETY: every call goes to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as isize);
-        // SAFETY: as the caller promises.
+        // SAFETY: the caller keeps the contract of `GlobalAlloc`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         count(-(layout.size() as isize));
-        // SAFETY: as the caller promises.
+        // SAFETY: the caller keeps the contract of `GlobalAlloc`.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -44,7 +44,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Reads, and gives the most that was held meanwhile, in bytes.
+/// Reads a grid and returns the most memory that was allocated meanwhile, in bytes.
 fn reading_holds(bytes: &[u8]) -> usize {
     let before = HELD.get();
     MOST.set(before);
@@ -52,11 +52,12 @@ fn reading_holds(bytes: &[u8]) -> usize {
     usize::try_from(MOST.get() - before).unwrap_or(0)
 }
 
-/// Text: four bytes a value of at least two bytes of text. TIFF: the decoder keeps a tag's numbers in 32 bytes each.
+/// A value of a text has at least two bytes there and takes four. The decoder of TIFF keeps each number of a tag in 32
+/// bytes.
 const FACTOR: usize = 64;
-/// A packed image: deflate and LZW reach a thousand to one, and what is unpacked is there twice for a moment.
+/// For a packed image: deflate and LZW reach a thousand to one, and for a moment the unpacked data exists twice.
 const FACTOR_PACKED: usize = 2800;
-/// Messages, the decoder's own tables (a deflate window and its trees).
+/// Messages, and the decoder's own tables (a deflate window and its trees).
 const FIXED: usize = 200_000;
 
 fn assert_bounded(bytes: &[u8], factor: usize) {
@@ -69,7 +70,7 @@ fn assert_bounded(bytes: &[u8], factor: usize) {
 }
 
 #[test]
-fn a_header_alone_claims_nothing() {
+fn a_header_alone_takes_no_memory() {
     for text in [
         "ncols 4000000000 nrows 4000000000 xllcorner 0 yllcorner 0 cellsize 1 5",
         "ncols 5000 nrows 5000 xllcorner 0 yllcorner 0 cellsize 1 5",
@@ -79,7 +80,8 @@ fn a_header_alone_claims_nothing() {
         assert!(Grid::from_bytes(text.as_bytes()).is_err());
         assert!(reading_holds(text.as_bytes()) < 10_000);
     }
-    // The same by a TIFF's tags: width and height, then a tile's size, then the number of tiles.
+    // The same in the tags of a TIFF: the width, a tile's width, the offsets and sizes of tiles, the samples of a
+    // pixel, and the scale.
     let whole = tiled(&georeference());
     let patched = |tag: u16, kind: u16, count: u32, value: u32| {
         let mut bytes = whole.clone();
@@ -127,7 +129,8 @@ proptest! {
         which in any::<bool>(), cut in 0.0..1.3f64, faults in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
     ) {
         let mut bytes = if which { float_grid() } else { tiled(&georeference()) };
-        // Half of the faults in the directory, where they do most.
+        // Half of the faults hit the first 200 bytes, where the tiled file has its directory: they have the most effect
+        // there.
         for (number, (at, byte)) in faults.iter().enumerate() {
             let length = if number % 2 == 0 { bytes.len() } else { bytes.len().min(200) };
             let at = at.index(length);

@@ -1,6 +1,6 @@
-//! The world from outside: what is drawn, files of grids, and files that are none.
+//! The world from outside: what is drawn, files of grids, and invalid files.
 
-#![expect(clippy::unwrap_used, reason = "a test may stop where it fails")]
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 mod geotiff;
 mod golden;

@@ -86,7 +86,11 @@ fn sr_002_an_insert_waits_until_a_begin_is_heard() {
         };
         for (tag, interrupt) in [(2, false), (3, true)] {
             assert_eq!(ask(&mut dive, tag, interrupt), Some("rejected"));
-            assert!(rejection(&dive, tag).contains("not heard"), "{}", rejection(&dive, tag));
+            assert!(
+                rejection(&dive, tag).contains("current behavior unknown"),
+                "{}",
+                rejection(&dive, tag)
+            );
         }
         let begins = |dive: &Dive| {
             let begun = |(_, note): &&(_, Note)| matches!(note, Note::Behavior { began: true, .. });

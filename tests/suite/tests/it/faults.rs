@@ -239,8 +239,8 @@ fn rejections(log: &Log) -> Vec<String> {
 #[test]
 fn figures_that_make_no_sense_are_rejected_by_name() {
     for (fault, word) in [
-        ("nan", "no finite number"),
-        ("infinite", "no finite number"),
+        ("nan", "not a finite number"),
+        ("infinite", "not a finite number"),
         ("latitude_91", "latitude is 91"),
     ] {
         // Alone, so that no other plugin has priority.

@@ -157,9 +157,12 @@ fn a_clean_log_held_and_says_what_could_not_be_judged() {
     for (rule, fared) in [
         ("no-control", "held, judged 599 times"),
         ("end-missing", "held, judged 1 times"),
-        ("cancel-foreign", "not judged: it never came to it"),
-        ("truth-fence", "not judged: no truth"),
-        ("stale-delivery", "not judged: when our sentences arrived"),
+        ("cancel-foreign", "not judged: no case of it occurred"),
+        ("truth-fence", "not judged: no true position is recorded"),
+        (
+            "stale-delivery",
+            "not judged: the record does not say when our sentences arrived",
+        ),
     ] {
         let line = finished
             .stdout

@@ -1,7 +1,8 @@
-//! What nothing takes back: GPS hits, and inserts that interrupt what is flown (SPI 7.8; safety requirement 023).
+//! Requests that nothing takes back: GPS hits, and inserts that interrupt what is flown (SPI 7.8; safety requirement
+//! 023).
 //!
-//! A vehicle that has stopped reading finds them when it reads again, however old they are by then. So they leave only
-//! behind a beat that the vehicle has just answered, and wait a second for one where there is none.
+//! A vehicle that has stopped reading finds such a request when it reads again, however old it is by then. So the
+//! request leaves only if the vehicle has just answered a heartbeat. Otherwise it waits one second for such an answer.
 
 use std::time::Duration;
 
@@ -17,7 +18,7 @@ use crate::timer::Timer;
 
 /// How long a request waits for the vehicle's answer.
 const ANSWERED_WITHIN: Duration = Duration::from_secs(1);
-/// More than this many do not wait at once.
+/// The most inserts that wait at once.
 const WAITING_MAX: usize = 8;
 
 /// An insert that waits for an answer of the vehicle.
@@ -39,7 +40,7 @@ impl Inserts {
             && is_on(Check::IrrevocableAnswered)
     }
 
-    /// Sends a beat, and keeps the insert until that is answered.
+    /// Sends a heartbeat unless one is under way, and keeps the insert until it is answered.
     pub(crate) fn wait_for_answer(
         &mut self,
         cx: &mut Context,
@@ -71,7 +72,7 @@ impl Inserts {
             .any(|waiting| waiting.plugin == plugin && waiting.tag == tag)
     }
 
-    /// A plugin has failed: what it asked for does not leave any more.
+    /// A plugin has failed: rejects its inserts that wait.
     pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
         let (failed, others) = self.waiting.drain(..).partition(|waiting| waiting.plugin == plugin);
         self.waiting = others;
@@ -81,13 +82,13 @@ impl Inserts {
         }
     }
 
-    /// What has waited, where the vehicle has answered by now.
+    /// Takes the oldest insert that waits, if the vehicle has answered by now.
     pub(crate) fn take_answered(&mut self, cx: &Context) -> Option<Waiting> {
         let answered = !self.waiting.is_empty() && cx.link.heartbeat.has_just_answered(cx.now);
         answered.then(|| self.waiting.remove(0))
     }
 
-    /// Rejects what has waited for too long.
+    /// Rejects the inserts that have waited for too long.
     pub(crate) fn reject_unanswered(&mut self, cx: &mut Context) {
         let now = cx.now;
         let over = |waiting: &Waiting| waiting.until <= now;

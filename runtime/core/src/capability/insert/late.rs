@@ -1,5 +1,5 @@
-//! Inserts that have not begun in time (safety requirement 002): each is judged by the new time, and called back where that
-//! does not hold.
+//! Inserts that have not begun in time (safety requirement 002). Core cancels such an insert if a zone opens or closes
+//! before its new latest end.
 
 use super::Inserts;
 use crate::context::Context;
@@ -9,7 +9,8 @@ use crate::monitor::limits::seconds;
 use crate::plugin::RequestState;
 
 impl Inserts {
-    /// Calls back what has not begun in time and whose zones change by when it may be flown now.
+    /// Cancels each insert that has not begun in time, if a zone opens or closes between the latest end for which it
+    /// was judged and the new latest end, or if core cannot compute the new one.
     pub(crate) fn watch_schedules(&mut self, cx: &mut Context) {
         let now = cx.now;
         let waiting = cx
@@ -23,7 +24,7 @@ impl Inserts {
         if late.is_empty() {
             return;
         }
-        // Its elders alone come before it. All that is open takes no less.
+        // Only older inserts come before it, and they take no longer than all open ones together.
         let before_s = cx.outlook().before_insert_s(false);
         for (request, schedule) in late {
             let anew = Schedule {
@@ -39,19 +40,19 @@ impl Inserts {
                 self.call_back(
                     cx,
                     request,
-                    "it has not begun in the time that its zones were judged for",
+                    "it has not begun in the time for which its zones were judged",
                 );
             }
         }
     }
 
-    /// Takes an insert back, where that can be done, and says why.
+    /// Cancels an insert if that is possible, and says why.
     pub(crate) fn call_back(&mut self, cx: &mut Context, request: u64, why: &str) {
         if cx.ledger.is_gps_hit(Some(request)) {
             let text = format!("GPS hit {request}: {why}, and it cannot be cancelled (SPI 7.8)");
             return cx.note(Note::Text { text });
         }
-        let text = format!("insert {request} is called back: {why}");
+        let text = format!("insert {request} is cancelled: {why}");
         cx.note(Note::Text { text });
         self.recall(cx, request);
     }

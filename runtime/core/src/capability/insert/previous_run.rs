@@ -1,4 +1,4 @@
-//! Inserts that a previous run has left in the vehicle, taken back under the operator's hold.
+//! Inserts that a previous run has left in the vehicle, and that the runtime cancels under the operator's hold.
 
 use std::time::Duration;
 
@@ -10,14 +10,14 @@ use crate::io::Note;
 use crate::mutations::{Check, is_on};
 use crate::timer::Timer;
 
-/// How often a cancel is sent on a connection.
+/// How often the cancel of an insert is sent on a connection.
 const SENT_MAX: u32 = 5;
-/// How long after a cancel the plan is looked at again.
+/// How long after a cancel core asks for the plan again.
 const AGAIN_AFTER: Duration = Duration::from_secs(2);
 
 impl Inserts {
-    /// The operator holds: what a previous run has left in the plan is taken back too. What cannot be (a GPS hit) the
-    /// vehicle refuses.
+    /// The operator holds: cancels what a previous run has left in the plan, too. The vehicle refuses the cancel of a
+    /// GPS hit, which cannot be cancelled.
     pub(crate) fn cancel_previous_run(&mut self, cx: &mut Context) {
         let waiting = cx.vehicle.previous_run.waiting(SENT_MAX);
         for identifier in &waiting {
@@ -28,8 +28,7 @@ impl Inserts {
         }
     }
 
-    /// The vehicle's plan names an insert, before the plan has come whole: under the operator's hold it is taken back at
-    /// once.
+    /// The vehicle's plan names an insert, before the plan is complete: under the operator's hold, cancels it at once.
     pub(crate) fn previous_run_named(&mut self, cx: &mut Context, identifier: Option<BehaviorId>) {
         let Some(identifier) = identifier.filter(|identifier| cx.vehicle.previous_run.includes(*identifier)) else {
             return;
@@ -47,7 +46,7 @@ impl Inserts {
         let message = ToVehicle::CancelBehavior(CancelBehavior { created, identifier });
         if cx.transmit(&message, Some(command)) {
             cx.vehicle.previous_run.taken_back(identifier);
-            let text = format!("insert {identifier} of a previous run is taken back");
+            let text = format!("insert {identifier} of a previous run is cancelled");
             cx.note(Note::Text { text });
         }
     }

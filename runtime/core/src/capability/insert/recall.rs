@@ -1,9 +1,9 @@
-//! Inserts that the runtime takes back by itself (BPRCN, SPI 7.8): for the operator's hold, for a fail action, for
-//! recovery, or because the vehicle did not answer for one.
+//! Inserts that the runtime cancels by itself (BPRCN, SPI 7.8): for the operator's hold, for a fail action, for
+//! recovery, because the vehicle did not answer the insert, or because the insert is no longer safe.
 //!
-//! A plugin asks again where its cancel was not answered; here nobody would. So one that is not answered is sent again
-//! after a while that doubles each time, five times in all on a connection, and once more as soon as a lost link is back.
-//! An insert that has begun or has ended meanwhile needs no more (7.8).
+//! A plugin can ask again if its cancel is not answered; here nobody would. So the runtime sends an unanswered cancel
+//! again after a delay that doubles each time, five times in all on one connection. When a lost link is back, it begins
+//! anew. An insert that has begun or has ended meanwhile needs no further cancel (7.8).
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -19,23 +19,23 @@ use crate::plugin::{PluginId, RequestState};
 use crate::session::commands::Answer;
 use crate::timer::Timer;
 
-/// How often a cancel is sent on a connection while it is not answered.
+/// How often a cancel that is not answered is sent on one connection.
 const SENT_MAX: u32 = 5;
-/// How long the second sending waits after the first was found to be unanswered.
+/// How long core waits with the second cancel after it found the first one unanswered.
 const AGAIN_AFTER: Duration = Duration::from_secs(1);
 
-/// An insert that is being taken back.
+/// An insert that the runtime is cancelling.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Recall {
     identifier: BehaviorId,
     /// How often its cancel was sent on this connection.
     sent: u32,
-    /// When it is sent again; `None` while its answer is awaited, or the link.
+    /// When it is sent again; `None` while it waits for its answer or for the link.
     due: Option<Timestamp>,
 }
 
-/// The inserts that are being taken back, by their requests.
+/// The inserts that the runtime is cancelling, by their requests.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Recalls {
@@ -43,8 +43,9 @@ pub(crate) struct Recalls {
 }
 
 impl Inserts {
-    /// Cancels every insert that has not begun, of one plugin or of all: one by one by identifier, never BPRCA, which may
-    /// take another payload's too. The operator's word: no way is judged.
+    /// Cancels every insert that has not begun, of one plugin or of all. It cancels them one by one by their
+    /// identifiers and never sends BPRCA, which may cancel another payload's inserts too. No way is judged, because the
+    /// operator wants it so.
     pub(crate) fn take_back_all(&mut self, cx: &mut Context, plugin: Option<PluginId>) {
         for (insert, _, _) in self.waiting_inserts(cx, plugin) {
             if !self.is_kept_gps_hit(cx, insert) {
@@ -54,9 +55,9 @@ impl Inserts {
         self.recall_doubtful(cx, plugin);
     }
 
-    /// As [`Self::take_back_all`], where the way that remains holds (safety requirement 020): from the last insert to the
-    /// first, each judged with what is left of the others. False where one had to be left to the vehicle because of its
-    /// way.
+    /// As [`Self::take_back_all`], but cancels only where the way that remains is inside the fence (safety requirement
+    /// 020). It goes from the last insert to the first, and judges each with what is left of the others. False if one
+    /// could not be cancelled because of its way.
     pub(crate) fn take_back_judged(&mut self, cx: &mut Context, plugin: Option<PluginId>) -> bool {
         let mut left = cx.outlook().chain();
         let mut all = true;
@@ -68,7 +69,7 @@ impl Inserts {
                 all = false;
                 cx.note(Note::Text {
                     text: format!(
-                        "insert {insert} is not cancelled, what would remain is worse: {}",
+                        "insert {insert} is not cancelled, because the way without it is refused: {}",
                         refusal.detail()
                     ),
                 });
@@ -77,14 +78,15 @@ impl Inserts {
             left.retain(|(request, _, _)| *request != insert);
             self.recall(cx, insert);
         }
-        // The ways without them are judged whenever one is: the vehicle may not have them. But none may be flown.
+        // Each judgement of a way allows for a vehicle that does not have the doubtful inserts, so they may be
+        // cancelled without one of their own. But none of them may be flown: core must know what the vehicle flies.
         if cx.vehicle.courses.current().is_some() {
             self.recall_doubtful(cx, plugin);
         }
         all
     }
 
-    /// What ended without the vehicle's word may be in its plan all the same.
+    /// Cancels the inserts that timed out: they may still be in the vehicle's plan.
     fn recall_doubtful(&mut self, cx: &mut Context, plugin: Option<PluginId>) {
         let doubtful: Vec<(u64, BehaviorId)> = cx
             .ledger
@@ -112,13 +114,13 @@ impl Inserts {
         let kept = cx.ledger.is_gps_hit(Some(insert));
         if kept {
             cx.note(Note::Text {
-                text: format!("GPS hit {insert} may be flown yet: it cannot be cancelled (SPI 7.8)"),
+                text: format!("GPS hit {insert} may still be flown: it cannot be cancelled (SPI 7.8)"),
             });
         }
         kept
     }
 
-    /// Takes an insert back, and sees to it that the vehicle answers.
+    /// Cancels an insert, and repeats that if the vehicle does not answer.
     pub(crate) fn recall(&mut self, cx: &mut Context, insert: u64) {
         if let Some(identifier) = cx.ledger.get(insert).and_then(|entry| entry.identifier) {
             self.recall_as(cx, insert, identifier);
@@ -146,7 +148,7 @@ impl Inserts {
         recall.due = None;
         let identifier = recall.identifier;
         if !cx.link.is_up() {
-            // It is sent once the link is back.
+            // It is sent when the link is back.
             return;
         }
         recall.sent += 1;
@@ -156,7 +158,7 @@ impl Inserts {
         self.set_recall_timer(cx);
     }
 
-    /// The vehicle's answer to a cancel of the runtime's own, or that there was none.
+    /// The vehicle's answer to a cancel of the runtime's own, or the lack of one.
     pub(crate) fn recall_answered(&mut self, cx: &mut Context, insert: u64, answer: Answer<'_>) {
         match answer {
             Answer::Pending => {}
@@ -164,12 +166,12 @@ impl Inserts {
             Answer::Done => {
                 self.forget_recall(cx, insert);
             }
-            // The vehicle had not decided on the insert, and may yet accept it.
+            // The vehicle had not decided on the insert yet, and may still accept it.
             Answer::Refused(_) if self.is_undecided(cx, insert) => self.again_later(cx, insert),
             Answer::Refused(text) => {
                 if self.forget_recall(cx, insert) {
                     cx.note(Note::Text {
-                        text: format!("insert {insert} was not taken back: {text}"),
+                        text: format!("insert {insert} was not cancelled: {text}"),
                     });
                 }
             }
@@ -195,19 +197,19 @@ impl Inserts {
         } else {
             self.forget_recall(cx, insert);
             cx.note(Note::Text {
-                text: format!("insert {insert} may be flown yet: its cancel was not answered {SENT_MAX} times"),
+                text: format!("insert {insert} may still be flown: the vehicle did not answer {SENT_MAX} cancels"),
             });
         }
     }
 
-    /// Cancels that were not answered are due again.
+    /// Sends the unanswered cancels that are due again.
     pub(crate) fn recalls_timed_out(&mut self, cx: &mut Context) {
         let now = cx.now;
         self.send_recalls(cx, |recall| recall.due.is_some_and(|due| due <= now));
         self.set_recall_timer(cx);
     }
 
-    /// The link is gone, and the answers with it.
+    /// The link is lost, and the answers with it.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
         for recall in self.recalls.open.values_mut() {
             recall.due = None;
@@ -215,7 +217,7 @@ impl Inserts {
         self.set_recall_timer(cx);
     }
 
-    /// The link is back: what was to be taken back is.
+    /// The link is back: sends the cancels again.
     pub(crate) fn link_up(&mut self, cx: &mut Context) {
         for recall in self.recalls.open.values_mut() {
             recall.sent = 0;
@@ -240,13 +242,13 @@ impl Inserts {
         }
     }
 
-    /// An insert is not taken back any more; whether it was.
+    /// The runtime no longer cancels an insert. True if it did so until now.
     fn forget_recall(&mut self, cx: &mut Context, insert: u64) -> bool {
         cx.ledger.set_recalled(insert, false);
         self.recalls.open.remove(&insert).is_some()
     }
 
-    /// Whether the vehicle may have an insert yet that it has not begun.
+    /// Whether the vehicle may still have an insert that it has not begun.
     fn may_be_recalled(&self, cx: &Context, insert: u64) -> bool {
         match cx.ledger.get(insert) {
             Some(entry) => entry.state != RequestState::Started,

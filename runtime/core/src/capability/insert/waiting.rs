@@ -1,10 +1,10 @@
-//! What the vehicle flies before an insert that waits its turn, and whether the way from there still holds (safety
+//! What the vehicle flies before a waiting insert, and whether the way from there is still inside the fence (safety
 //! requirement 002).
 //!
-//! An insert that interrupts nothing is flown after the current behavior. That may be over sooner than its path is: a
-//! behavior of the plan has a time limit that no sentence tells, and a lease delays it. And it may be another one by
-//! the time that the insert arrives, or than the insert was judged for, where vehicles differ in the place that they give
-//! it (SPI 7.5).
+//! The vehicle flies an insert that interrupts nothing after the current behavior. That behavior may be over before its
+//! path is flown: a behavior of the plan has a time limit that SPI does not report, and a lease delays it. And the
+//! vehicle may fly the insert after another behavior than the one it was judged for: because the behavior has changed
+//! when the insert arrives, or because vehicles differ in where they put an insert in their plan (SPI 7.5).
 
 use crate::capability::insert::Inserts;
 use crate::context::Context;
@@ -12,8 +12,8 @@ use crate::monitor::envelope::Insert;
 use crate::mutations::{Check, is_on};
 
 impl Inserts {
-    /// The plan is flown on, or is known anew: an insert that waits and whose way does not hold from there is called
-    /// back. What comes after it has then another way.
+    /// The vehicle goes on in its plan, or its plan is known anew: cancels each waiting insert whose way from there is
+    /// no longer inside the fence. What comes after a cancelled insert then has another way.
     pub(crate) fn judge_waiting(&mut self, cx: &mut Context) {
         if !cx.vehicle.plan.is_complete() || !is_on(Check::InsertWayTo) {
             return;
@@ -30,23 +30,27 @@ impl Inserts {
                 continue;
             }
             let Err(refusal) = cx.outlook().judge_way_to(&before, insert) else {
-                // The rest comes after it.
+                // All others come after it.
                 break;
             };
-            self.call_back(cx, *request, &format!("its way no longer holds: {}", refusal.detail()));
+            self.call_back(
+                cx,
+                *request,
+                &format!("the way to it is no longer allowed: {}", refusal.detail()),
+            );
             if insert.surfaces() {
                 return;
             }
         }
         for open in chain.iter().rev() {
-            // What has begun and what interrupts is flown before all that waits.
+            // What has begun, and what interrupts, is flown before everything that waits.
             if !waits(cx, open) {
                 continue;
             }
             let Err(refusal) = cx.outlook().judge_way_on(&open.1) else {
                 return;
             };
-            let text = format!("its way on no longer holds: {}", refusal.detail());
+            let text = format!("the way on from it is no longer allowed: {}", refusal.detail());
             self.call_back(cx, open.0, &text);
         }
     }

@@ -1,4 +1,4 @@
-//! Relative navigation comes, and what it means for the station that is kept.
+//! What new relative navigation means for station keeping.
 
 use backseat_spi::{CartesianNavigation, RelativeNavigation};
 
@@ -31,7 +31,8 @@ impl Station {
         self.relative_came(cx, "BFRNV", jumped);
     }
 
-    /// BFCNV. It bears no time of its solution: one that stands still while the messages go on cannot be told.
+    /// BFCNV. It does not carry the time of its solution, so core cannot notice a solution that stands still while the
+    /// messages go on.
     pub(crate) fn heard_cartesian(&mut self, cx: &mut Context, message: &CartesianNavigation) {
         cx.heard(message.created);
         if !cx.vehicle.cartesian.advances(message.created, message.created) {
@@ -50,7 +51,7 @@ impl Station {
 
     fn relative_came(&mut self, cx: &mut Context, message: &str, jumped_m: Option<f64>) {
         if let Some(metres) = jumped_m {
-            // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
+            // Safety requirement 021: the vehicle's place cannot be trusted for a while.
             let text = format!("{message} jumped by {metres:.1} m");
             self.end(
                 cx,
@@ -63,7 +64,7 @@ impl Station {
         self.watch_relative(cx);
     }
 
-    /// Sets when relative navigation will have become stale under station keeping.
+    /// Sets the timer for when relative navigation becomes stale under station keeping.
     pub(super) fn watch_relative(&mut self, cx: &mut Context) {
         let stale_at = [cx.vehicle.relative.stale_at(), cx.vehicle.cartesian.stale_at()];
         let next = stale_at.into_iter().flatten().filter(|at| *at > cx.now).min();
@@ -71,7 +72,7 @@ impl Station {
         cx.timers.set_or_stop(Timer::Relative, next);
     }
 
-    /// Relative navigation has become stale: station keeping stands where it does not need it.
+    /// Relative navigation has become stale. Station keeping goes on if it does not need it.
     pub(crate) fn timed_out(&mut self, cx: &mut Context) {
         if self.is_sound(cx) {
             self.watch_relative(cx);

@@ -7,20 +7,20 @@ use crate::context::Context;
 use crate::io::Note;
 use crate::session::commands::{Answer, Command, Purpose};
 
-/// What is known of the vehicle's speed limit (BPSPD), which outlives station keeping and connections.
+/// What core knows of the vehicle's speed limit (BPSPD), which outlives station keeping and connections.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(super) struct SpeedLimit {
-    /// What it is, where the vehicle has acknowledged it and nothing has been sent since.
+    /// The limit, if the vehicle has acknowledged it and nothing was sent since.
     pub(super) known_mps: Option<f64>,
-    /// It may not be the vehicle's own.
+    /// The limit may not be the vehicle's own.
     pub(super) changed: bool,
-    /// The request whose end has asked for the vehicle's own again; the answer is awaited.
+    /// The request at whose end core asked for the vehicle's own limit again, until that is answered.
     pub(super) restoring: Option<u64>,
 }
 
 impl Station {
-    /// Gives the vehicle its own speed limit back where station keeping has changed it.
+    /// Gives the vehicle its own speed limit back if station keeping has changed it.
     pub(super) fn restore_speed(&mut self, cx: &mut Context, request: u64) {
         if !self.limit.changed {
             return;
@@ -40,8 +40,8 @@ impl Station {
         }
     }
 
-    /// Control has come. A limit that station keeping left changed, for its link was lost, is restored now: not before,
-    /// for without control nothing moves by it, and little may be sent (safety requirement 014).
+    /// Control was gained. Restores a limit that station keeping left changed because the link was lost. Core does not
+    /// do this earlier: without control nothing moves by the limit, and little may be sent (safety requirement 014).
     pub(crate) fn control_granted(&mut self, cx: &mut Context) {
         if self.keeping.is_none() && self.limit.restoring.is_none() {
             self.restore_speed(cx, 0);
@@ -60,9 +60,9 @@ impl Station {
                     ..SpeedLimit::default()
                 };
             }
-            // It stays changed: the next end of station keeping and the next control try again.
+            // The limit stays changed. The next end of station keeping, and the next gain of control, try again.
             Answer::Refused(_) | Answer::Missing => cx.note(Note::Text {
-                text: "the vehicle has not taken its own speed limit back (BPSPD)".to_owned(),
+                text: "the vehicle did not accept its own speed limit again (BPSPD)".to_owned(),
             }),
         }
         self.limit.restoring = None;

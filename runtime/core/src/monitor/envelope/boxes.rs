@@ -1,10 +1,12 @@
-//! Boxes with edges parallel to the axes: one in another, and one clear of another.
+//! Boxes with edges parallel to the axes: whether one contains what the vehicle may reach, and whether that is clear of
+//! another one.
 
 use crate::monitor::limits::station::{BottomBox, HullBox};
 use crate::mutations::{Check, is_on};
 use crate::refusal::{BoxBreach, BoxEdge, Refusal, Stretch};
 
-/// One axis: what it is called, the keys of its bounds, the bounds, and what the vehicle may come to.
+/// One axis of a box: its name, the keys of its bounds, the bounds, and the least and the greatest coordinate that the
+/// vehicle may reach.
 pub(super) struct Axis {
     name: &'static str,
     keys: [&'static str; 2],
@@ -58,7 +60,7 @@ pub(super) fn bottom_axes(bounds: &BottomBox, spans_m: [[f64; 2]; 3]) -> [Axis; 
     ]
 }
 
-/// The least and the greatest, grown. One figure that is none makes all of it none.
+/// The least and the greatest value, moved outwards by `grown_m`. If any value is NaN, both are NaN.
 pub(super) fn span(values: impl Iterator<Item = f64>, grown_m: f64) -> [f64; 2] {
     let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values {
@@ -70,13 +72,14 @@ pub(super) fn span(values: impl Iterator<Item = f64>, grown_m: f64) -> [f64; 2] 
     [min - grown_m, max + grown_m]
 }
 
-/// Every axis within its bounds, by how many metres at least.
+/// Checks that what the vehicle may reach is within the bounds on every axis. Returns the least distance to a bound,
+/// metres.
 pub(super) fn contain(stretch: Stretch, key: &str, axes: &[Axis; 3]) -> Result<f64, Refusal> {
     let mut least_m = f64::MAX;
     for axis in axes {
         let room_m = [axis.span_m[0] - axis.bounds_m[0], axis.bounds_m[1] - axis.span_m[1]];
         for (edge, room_m) in room_m.into_iter().enumerate() {
-            // A figure that is none is in no box.
+            // NaN is not inside any box.
             if (room_m.is_nan() || room_m < 0.0) && is_on(Check::StationBox) {
                 return Err(left(Left {
                     stretch,
@@ -94,7 +97,8 @@ pub(super) fn contain(stretch: Stretch, key: &str, axes: &[Axis; 3]) -> Result<f
     Ok(least_m)
 }
 
-/// One axis at least clear of a box that is to be kept out of, by how many metres.
+/// Checks that what the vehicle may reach is clear of a keep-out box on at least one axis. Returns the greatest gap,
+/// metres.
 pub(super) fn avoid(stretch: Stretch, key: &str, name: &str, axes: &[Axis; 3]) -> Result<f64, Refusal> {
     let mut clear_m = f64::NEG_INFINITY;
     let mut edge = "";
@@ -120,7 +124,7 @@ pub(super) fn avoid(stretch: Stretch, key: &str, name: &str, axes: &[Axis; 3]) -
     }))
 }
 
-/// What is to be kept within is left over one of its bounds.
+/// A bound that the vehicle would go beyond.
 pub(super) struct Left<'a> {
     pub(super) stretch: Stretch,
     pub(super) name: &'a str,

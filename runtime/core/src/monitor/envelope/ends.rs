@@ -6,7 +6,7 @@ use backseat_units::math::{PI, cos};
 
 use super::{Approach, Track};
 
-/// Where a way begins or ends, in the fence's frame: a point, or anywhere where the vehicle chooses.
+/// Where a way begins or ends, in the fence's frame: at a point, or anywhere in an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum End {
     At(EastNorth),
@@ -14,7 +14,7 @@ pub(crate) enum End {
         centre: EastNorth,
         radius_m: f64,
     },
-    /// Between three points, and so far around.
+    /// Within `radius_m` of the triangle of three points.
     Within {
         corners: [EastNorth; 3],
         radius_m: f64,
@@ -30,7 +30,7 @@ impl End {
         }
     }
 
-    /// On a track of the plan's, or between it and another end.
+    /// On a track of the plan, or anywhere between the track and another end.
     pub(crate) fn on_or_beside(track: &Track, aside: Option<Self>) -> Self {
         let (start, end) = match *track {
             Track::Line(start, end) => (start, end),
@@ -43,12 +43,12 @@ impl End {
         }
     }
 
-    /// The point itself, or the middle of where it may be.
+    /// The point itself, or the middle of the area.
     pub(crate) fn middle(self) -> EastNorth {
         self.middle_and_radius().0
     }
 
-    /// The middle of where it may be, and how far it may be from there.
+    /// The middle of the area, and how far from it the vehicle may be, metres.
     fn middle_and_radius(self) -> (EastNorth, f64) {
         match self {
             Self::At(point) => (point, 0.0),
@@ -62,7 +62,7 @@ impl End {
         }
     }
 
-    /// Points that have all of where it may be between them.
+    /// Points whose convex hull contains the whole area.
     pub(crate) fn corners(self) -> Vec<EastNorth> {
         match self {
             Self::At(point) => vec![point],
@@ -82,7 +82,7 @@ fn around(centre: EastNorth, radius_m: f64) -> impl Iterator<Item = EastNorth> {
     (0..8).map(move |eighth| centre.offset(45.0 * f64::from(eighth), corner_m))
 }
 
-/// Every way from one end to another.
+/// Shapes that contain every way from one end to another.
 pub(super) fn ways(from: End, to: End) -> Vec<Shape> {
     match (from, to) {
         (End::At(from), End::At(to)) => vec![Shape::leg(from, to)],
@@ -94,7 +94,7 @@ pub(super) fn ways(from: End, to: End) -> Vec<Shape> {
     }
 }
 
-/// How far it is from one end to another at most, metres.
+/// The greatest distance from one end to another, metres.
 pub(super) fn farthest_m(from: End, to: End) -> f64 {
     let to = to.corners();
     let from = from.corners().into_iter();

@@ -1,4 +1,4 @@
-//! What a plugin that asks is told.
+//! The monitor's answer to a plugin that asks before it makes a request.
 
 use super::{Clocks, End, Envelope, Insert, Route, Surroundings, bottom_lock};
 use crate::mutations::with_every_check;
@@ -45,7 +45,7 @@ impl Judge for Envelope {
             Request::SonarAngle(asked) => self.admit_sonar_angle(asked).map(|()| f64::MAX),
             Request::Camera(asked) => self.admit_camera(asked).map(|()| f64::MAX),
             Request::Light(asked) => self.admit_light(asked).map(|()| f64::MAX),
-            // They have no geometry.
+            // These requests have no geometry.
             Request::EndModify
             | Request::Cancel(_)
             | Request::Message(_)

@@ -14,13 +14,13 @@ use crate::plugin::{NavigationSample, Refusal};
 pub(super) struct Reach {
     /// Where the vehicle is.
     here: EastNorth,
-    /// Where it is if it is straight on its heading already.
+    /// Where it will be if it is on the requested heading already and flies straight on.
     ahead: EastNorth,
     /// How far it may be from the line between the two, metres.
     radius_m: f64,
-    /// From here to there, metres.
+    /// The distance from `here` to `ahead`, metres.
     along_m: f64,
-    /// How long it may be on its way there and in the turn away, seconds.
+    /// How long the way to `ahead` and the turn away take together, seconds.
     lasts_s: f64,
 }
 
@@ -44,10 +44,11 @@ impl Envelope {
         let along_m = speed_mps * obeyed_s;
         let convergence_deg = self.fence.frame().convergence_deg(navigation.position);
         let ahead = here.offset(setpoint.heading.as_deg() - convergence_deg, along_m);
-        // The specification does not say which north the vehicle counts from, so the set covers both.
+        // The specification does not say from which north the vehicle counts, so the reach covers both.
         let other_north_m = along_m * utm_convergence_deg(navigation.position).to_radians().abs();
-        // Sideways in the turn onto the heading, a whole turn's width in the turn away from it, where the vehicle may go as
-        // fast again as it is let, and the current's part.
+        // The terms, in order: the sideways distance of the turn onto the heading, and of the lag of that turn; the
+        // width of a whole turn away from the heading, which the vehicle may fly at its greatest speed; the drift in
+        // the current; the error of navigation; and the other north.
         let fastest_mps = speed_mps.max(self.fastest_mps(seen_mps));
         let radius_m = radius_of_turn_m * (1.0 - cos(turn_deg.to_radians()))
             + speed_mps * limits.turn_lag_s
@@ -64,8 +65,8 @@ impl Envelope {
         }
     }
 
-    /// Safety requirement 002 for a modify: every position that the vehicle can reach until it has noticed our silence
-    /// and turned away, and the ways back to its plan. By how many metres it holds.
+    /// Judges a modify by safety requirement 002: every position that the vehicle can reach until it has noticed our
+    /// silence and turned away, and the ways back to its plan. Returns the smallest clearance, metres.
     pub(crate) fn judge_modify(
         &self,
         setpoint: &Setpoint,
@@ -102,8 +103,8 @@ impl Envelope {
             lasts_s,
             ..
         } = *reach;
-        // It takes no longer back than from the farthest that it can come to the farthest that it may return to, straight
-        // or by way of a line.
+        // The longest way back leads from the farthest place that the vehicle can reach to the farthest place that it
+        // may return to. It is straight, or leads by way of a line and is then at most sqrt(2) times as long.
         let legs_m = route
             .legs
             .iter()
@@ -119,10 +120,12 @@ impl Envelope {
         if (route.legs.is_empty() && route.to.is_empty()) || !is_on(Check::ModifyWayBack) {
             return straight();
         }
-        // Back to the plan its own depths hold, which are the front seat's affair, but for what is to be kept out of. Each
-        // of the ways covers the way straight ahead, which need not be looked at again, but says best what is wrong.
+        // On the ways back to the plan the vehicle flies at the plan's depths. These are the front seat's
+        // responsibility, except that keep-out zones count. Each of these shapes contains the way straight ahead, so
+        // that way need not be checked on its own. But if the way straight ahead is refused too, its refusal is
+        // returned, because it shows best what is wrong.
         let legs = route.legs.iter().flat_map(|track| track.onto(&[here, ahead]));
-        // What begins where a leg ends is in the leg's shape.
+        // The shape of a leg contains the way to what begins where that leg starts or ends.
         let ends_a_leg = |next: &&End| {
             let at = |point| **next == End::At(point);
             let mut legs = route.legs.iter();

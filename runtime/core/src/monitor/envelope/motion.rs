@@ -4,8 +4,9 @@
 use super::Envelope;
 
 impl Envelope {
-    /// The cross-track allowance, how far the vehicle may be beside a way or a line, metres: the errors, and a whole
-    /// turn's width with the current's part in it, for what it goes to may be behind it or abeam.
+    /// The cross-track allowance: how far the vehicle may be beside a way or a line, metres. It is the sum of the
+    /// errors, the width of a whole turn, and the drift in the current during that turn, because the vehicle's next
+    /// target may be behind it or abeam.
     pub(super) fn cross_track_m(&self, speed_mps: f64) -> f64 {
         let limits = &self.limits;
         limits.tracking_error_m
@@ -24,10 +25,11 @@ impl Envelope {
         180.0 / self.limits.turn_rate_dps + self.limits.turn_lag_s
     }
 
-    /// The fastest that the vehicle flies, m/s: a request of ours, or its own plan.
+    /// The greatest speed at which the vehicle flies, m/s: a request of ours, or its own plan.
     pub(super) fn fastest_mps(&self, seen_mps: f64) -> f64 {
         let of_plan_mps = match self.limits.plan_speed_max_mps {
-            // What the strongest current cannot account for shows that it is faster than it was said to be.
+            // If even the strongest current does not explain the speed over ground, the plan is faster than the mission
+            // says.
             Some(told_mps) => told_mps.max(seen_mps - self.limits.current_max_mps),
             None => seen_mps,
         };

@@ -1,13 +1,13 @@
-//! What a vehicle that has been led away steers back to: not to one of the ends of a line, but to the line (safety
-//! requirement 002).
+//! The ways back of a vehicle that was led away. It does not steer to one of the ends of a line, but to the line itself
+//! (safety requirement 002).
 
 use backseat_fence::Shape;
 use backseat_units::EastNorth;
 use backseat_units::math::{asin, atan2, cos, sin_cos};
 
-/// No fan of directions is wider that one solid is to hold, degrees.
+/// The widest range of directions that one solid covers, degrees.
 const FAN_MAX_DEG: f64 = 20.0;
-/// A line that a vehicle keeps to.
+/// A line that the vehicle follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Track {
     /// From one point to another.
@@ -15,8 +15,9 @@ pub(crate) enum Track {
     Approach(Approach),
 }
 
-/// The way from where a behavior began to where its path begins. Both are the vehicle's own: the one is known as well
-/// as navigation is, and the other lies between two points where nobody knows how long a lead-in is.
+/// The way from where a behavior began to where its path begins. Only the vehicle knows both places exactly. Core knows
+/// the first as precisely as navigation does. The second lies between two points, because the length of a lead-in, or
+/// where the vehicle enters a circle, is not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Approach {
     pub(crate) begun: EastNorth,
@@ -43,8 +44,8 @@ impl Track {
         }
     }
 
-    /// Solids that hold every way from between some points onto it and on to its end. Abeam of a point behind the start, the
-    /// vehicle comes to where the line would be there.
+    /// Solids that contain every way from anywhere between some points onto the track, and along it to its end. A
+    /// vehicle behind the start meets the extension of the line abeam of itself.
     pub(super) fn onto(&self, vehicle: &[EastNorth]) -> Vec<Shape> {
         match self {
             Self::Line(start, end) => onto_line(vehicle, (*start, *end)),
@@ -54,11 +55,12 @@ impl Track {
 }
 
 impl Approach {
-    /// The directions in which it may lead, degrees, and how many: from the first on to the right.
+    /// The directions in which the way may lead: the first one, and how far the others extend from it to the right,
+    /// both in degrees.
     fn directions_deg(&self) -> (f64, f64) {
         let [a, b] = self.to.map(|to| to - self.begun);
         let square_m2 = |to: EastNorth| to.east_m * to.east_m + to.north_m * to.north_m;
-        // The nearest of the points between the two.
+        // The point between `a` and `b` that is nearest to the begin.
         let along = b - a;
         let share = -(a.east_m * along.east_m + a.north_m * along.north_m) / square_m2(along);
         let nearest_m2 = if share > 0.0 && share < 1.0 {
@@ -67,7 +69,7 @@ impl Approach {
             square_m2(a).min(square_m2(b))
         };
         let sine = self.within_m / nearest_m2.sqrt();
-        // From so near every direction is possible, as where a figure is none.
+        // So near to the begin every direction is possible. NaN is treated alike.
         if sine.is_nan() || sine > 0.7 {
             return (0.0, 360.0);
         }
@@ -76,14 +78,19 @@ impl Approach {
         let right = a.north_m * b.east_m - a.east_m * b.north_m >= 0.0;
         let (left, right) = if right { (a, b) } else { (b, a) };
         let span_deg = (bearing_deg(right) - bearing_deg(left)).rem_euclid(360.0);
-        // Rounding may put the same direction a turn apart.
+        // Rounding may make two equal directions differ by a whole turn.
         let span_deg = if span_deg > 359.0 { 0.0 } else { span_deg };
         (bearing_deg(left) - around_deg, span_deg + 2.0 * around_deg)
     }
 
-    /// The feet of a vehicle's place on all lines through one point lie on the circle that has the way between the two for its
-    /// diameter (Thales), twice as many degrees apart there as the lines are. So the solid around the feet on two of the
-    /// lines, taken so far outwards that what joins them touches the circle, holds those on every line between.
+    /// Solids that contain every way from anywhere between the vehicle's places onto the approach, one for each range
+    /// of directions.
+    ///
+    /// Take the feet of the perpendiculars from a place of the vehicle onto all lines through one point. They lie on
+    /// the circle whose diameter is the way from the place to the point (Thales). Seen from the centre of that circle,
+    /// two feet are twice as many degrees apart as their lines. So a solid contains the feet on every line between two
+    /// lines if it contains the feet on these two, moved outwards from the centre until the chord between them touches
+    /// the circle.
     fn onto(&self, vehicle: &[EastNorth]) -> Vec<Shape> {
         let (first_deg, span_deg) = self.directions_deg();
         let count = (span_deg / FAN_MAX_DEG).ceil().max(1.0);
@@ -146,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_the_start_the_way_leads_to_the_line_abeam() {
+    fn a_vehicle_behind_the_start_meets_the_line_abeam() {
         let line = (at(0.0, 0.0), at(100.0, 0.0));
         let solid = |here, ahead, first| vec![Shape::quadrilateral([here, ahead, first, line.1])];
         let (beside, behind, farther) = (at(50.0, 30.0), at(-40.0, 30.0), at(-60.0, 20.0));
@@ -206,7 +213,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(4_000))]
 
         #[test]
-        fn every_way_onto_an_approach_is_held(
+        fn the_solids_contain_every_way_onto_an_approach(
             vehicle in [place(800.0), place(800.0)],
             begun in place(50.0),
             to in [place(80.0), place(80.0)],
@@ -216,7 +223,7 @@ mod tests {
         ) {
             let approach = Approach { begun, within_m, to };
             let solids = approach.onto(&vehicle);
-            // One of the ways that it may be, and from somewhere between the two places.
+            // One of the possible approaches, and a vehicle somewhere between the two places.
             let begun = begun.offset(bearing_deg, off * within_m);
             let target = to[0] + (to[1] - to[0]) * share;
             let from = vehicle[0] + (vehicle[1] - vehicle[0]) * between;

@@ -1,4 +1,4 @@
-//! Where the vehicle itself is, not where it may come to: for recovery.
+//! Judges where the vehicle is, not where it may go. Recovery uses this.
 
 use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
 use backseat_units::{EastNorth, Utc};
@@ -6,12 +6,14 @@ use backseat_units::{EastNorth, Utc};
 use super::Envelope;
 use crate::plugin::{NavigationSample, Refusal};
 
-/// A vehicle whose height is not known is as high as it likes: what needs it does not stand without it.
+/// Stands for an unknown altitude, which recovery does not treat as too low. A lease that depends on the altitude ends
+/// without it.
 const UNKNOWN_ALTITUDE_M: f64 = 1e6;
-/// The room that depth and altitude are judged with where they have it, metres.
+/// A place is first judged with this much room above and below the vehicle, metres, and without it if that fails.
 const ROOM_M: f64 = 2.0;
 
-/// A place inside the fence: no other within so many metres of it, and within these depths, is outside.
+/// A place inside the fence. Every place that is nearer to it than `clearance_m`, and within these depths and not below
+/// this altitude, is inside too.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Good {
@@ -19,7 +21,7 @@ pub(crate) struct Good {
     pub(crate) clearance_m: f64,
     pub(crate) depth_min_m: f64,
     pub(crate) depth_max_m: f64,
-    /// Metres above the seabed; an unknown one is as good as any.
+    /// Metres above the seabed. An unknown altitude counts as high enough.
     pub(crate) altitude_min_m: f64,
 }
 
@@ -27,7 +29,7 @@ impl Good {
     pub(crate) fn covers(&self, navigation: &NavigationSample) -> bool {
         let depth_m = navigation.depth.as_m().max(0.0);
         let altitude_m = navigation.altitude.map_or(f64::MAX, |altitude| altitude.as_m());
-        // Written so that a figure that is none fails.
+        // NaN fails these comparisons.
         navigation.local.distance_m(self.at) < self.clearance_m
             && depth_m >= self.depth_min_m
             && depth_m <= self.depth_max_m
@@ -36,8 +38,8 @@ impl Good {
 }
 
 impl Envelope {
-    /// Whether the vehicle's place, navigation's error around it, holds at this moment. What it then answers for is kept,
-    /// `None` where the fence changes with time.
+    /// Judges where the vehicle is at this moment, widened by the error of navigation. Returns the surroundings for
+    /// which the judgement holds as well; `None` if the fence changes with time.
     pub(crate) fn judge_place(&self, navigation: &NavigationSample, utc: Utc) -> Result<Option<Good>, Refusal> {
         let roomy = extent(navigation, ROOM_M);
         let (extent, clearance_m) = match self.place(navigation, 0.0, &roomy, utc) {
@@ -57,7 +59,7 @@ impl Envelope {
         Ok((!self.timed).then_some(good))
     }
 
-    /// Whether it holds with so many metres to spare in the plane.
+    /// Whether the vehicle is inside the fence with at least `room_m` metres to spare in the plane.
     pub(crate) fn is_well_inside(&self, navigation: &NavigationSample, room_m: f64, utc: Utc) -> bool {
         self.place(navigation, room_m, &extent(navigation, 0.0), utc).is_ok()
     }
@@ -73,7 +75,7 @@ impl Envelope {
         let fence = self.fence.during(Span { from: utc, until: utc });
         match fence.check(&sweep, extent) {
             Ok(clearance) => Ok(clearance.metres),
-            // Where it may surface it may be at any depth above the deepest.
+            // Where the vehicle may surface, it may be at any depth above the deepest one that is allowed.
             Err(breach) => match fence.check_surfacing(&sweep, extent) {
                 Ok(clearance) => Ok(clearance.metres),
                 Err(_) => Err(breach.into()),
@@ -83,7 +85,7 @@ impl Envelope {
 }
 
 fn extent(navigation: &NavigationSample, room_m: f64) -> VerticalExtent {
-    // The surface moves, and a vehicle on it may read less than nothing.
+    // The surface moves, and a vehicle on it may report a depth below 0.
     let depth_m = navigation.depth.as_m().max(0.0);
     let altitude_m = navigation
         .altitude

@@ -1,10 +1,10 @@
 //! Station keeping and moves of a hovering vehicle against the boxes of the operator (SPI 8; safety requirements 002
 //! and 020).
 //!
-//! The specification does not say which path the vehicle takes to a place on the hull or over the bottom. So each path
-//! is taken that stays in the box whose edges are parallel to the axes and that spans where the vehicle is, where it is
-//! to go, and where its mission was suspended, to which it may return (8.3). Grown by how far the vehicle may stray,
-//! that box must lie in the allowed one and touch none that is to be kept out of.
+//! The specification does not say on which path the vehicle goes to a place on the hull or over the bottom. So the
+//! monitor allows for every path in the smallest box, with edges parallel to the axes, that contains where the vehicle
+//! is, where it is to go, and where its mission was suspended, to which it may return (8.3). This box is widened by how
+//! far the vehicle may stray. It must lie in the allowed box and touch no keep-out box.
 
 use std::time::Duration;
 
@@ -23,12 +23,12 @@ use crate::refusal::{Figure, Reason, Stretch};
 
 /// The vehicle stays suspended for this long after the last BPSUS, BPCON, BPGHP or BPGBP that it received (SPI 8.1).
 const SUSPENSION_TIMEOUT: Duration = Duration::from_secs(2);
-/// A slower limit would be sent as none at all.
+/// The least limit of speed, m/s. BPSPD has three decimals, so a limit near 0 would be written as 0.
 const SPEED_MIN_MPS: f64 = 0.01;
-/// The camera moves for at most so many tenths of a second (SPI 8.10).
+/// The camera moves for at most this many tenths of a second (SPI 8.10).
 const CAMERA_MAX: i32 = 9;
 
-/// A place that a held vehicle is sent to.
+/// A place to which a vehicle that keeps its station is sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Aim {
@@ -42,17 +42,17 @@ pub(crate) enum Aim {
     Bottom { x_m: f64, y_m: f64, vertical: Vertical },
 }
 
-/// Station keeping whose figures are what they are called.
+/// Station keeping whose values have been checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Hover {
-    /// `None`: it stays where it is.
+    /// `None`: the vehicle stays where it is.
     pub(crate) aim: Option<Aim>,
-    /// The limit of its moves: asked for, or the vehicle's own.
+    /// The speed limit of its moves: the requested one, or the vehicle's own.
     pub(crate) speed_mps: f64,
 }
 
-/// Where the mission was suspended, in each frame that was known then: BPRES may lead back there.
+/// Where the mission was suspended, in each frame in which that was known. After BPRES the vehicle may return there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Suspended {
@@ -60,12 +60,13 @@ pub(crate) struct Suspended {
     pub(crate) hull_m: Option<[f64; 3]>,
     /// X, y, depth.
     pub(crate) bottom_m: Option<[f64; 3]>,
-    /// In the fence's plane.
+    /// In the plane of the fence's local frame.
     pub(crate) local: Option<EastNorth>,
 }
 
 impl Suspended {
-    /// Whether another place is as near as that, in every frame that this one is known in, and there is one.
+    /// Whether `other` is no farther than `within_m` away, in each of the frames of hull and bottom in which this place
+    /// is known. False if this place is known in neither.
     pub(crate) fn is_near(&self, other: &Self, within_m: f64) -> bool {
         let apart_m = |a: [f64; 3], b: [f64; 3]| hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
         let near = |own: Option<[f64; 3]>, other: Option<[f64; 3]>| {
@@ -76,14 +77,14 @@ impl Suspended {
     }
 }
 
-/// What is known of a hovering vehicle at this moment; relative navigation only while it is fresh.
+/// What is known about a hovering vehicle at this moment. Relative navigation is absent unless it is fresh.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surroundings<'a> {
     pub(crate) relative: Option<&'a RelativeSample>,
     pub(crate) cartesian: Option<&'a CartesianSample>,
     pub(crate) navigation: &'a NavigationSample,
     pub(crate) lock: Option<BottomLock>,
-    /// Where the mission may stand suspended; nowhere else than here where there is none.
+    /// The places where the mission may be suspended. If empty, the mission can be suspended only here.
     pub(crate) suspended: &'a [Suspended],
     pub(crate) now: Timestamp,
 }
@@ -98,7 +99,7 @@ impl Surroundings<'_> {
         }
     }
 
-    /// How fast it goes, m/s.
+    /// The vehicle's speed in three dimensions, m/s.
     fn speed_mps(&self) -> f64 {
         let navigation = self.navigation;
         hypot(hypot(navigation.east_mps, navigation.north_mps), navigation.down_mps)
@@ -150,11 +151,11 @@ impl Envelope {
         Ok(Hover { aim, speed_mps })
     }
 
-    /// The whole judgement of station keeping: where the vehicle is, and its way where it has one. By how many metres
-    /// it holds.
+    /// Judges station keeping: where the vehicle is, and the way to its target if it has one. Returns the smallest
+    /// clearance, metres.
     pub(crate) fn judge_station(&self, hover: &Hover, around: &Surroundings<'_>) -> Result<f64, Refusal> {
         let limits = self.station_limits()?;
-        // It keeps the way that it has until it has stopped.
+        // The vehicle runs on at its present speed until it has stopped.
         let mut least_m = f64::MAX;
         let mut known = false;
         let here = around.here();
@@ -244,7 +245,7 @@ impl Envelope {
         let Some(shallowest_m) = shallowest_m else {
             return Err(Reason::BottomUnknown.into());
         };
-        // Where it goes by depth, and how near to the bottom it goes by altitude.
+        // `depths_m` has the depths between which the vehicle flies, `altitude_m` the least altitude that it may have.
         let mut depths_m: Vec<f64> = places_m.iter().map(|place| place[2]).collect();
         let mut altitude_m = f64::MAX;
         match target {
@@ -263,7 +264,7 @@ impl Envelope {
         let spans_m = [x_m, y_m, span(depths_m.into_iter(), allowance_m)];
         let mut least_m = contain(stretch, "bottom_box", &bottom_axes(allowed, spans_m))?;
         let above_m = altitude_m - limits.altitude_min_m;
-        // A figure that is none is no clearance either.
+        // NaN is no clearance either.
         if (above_m.is_nan() || above_m < 0.0) && is_on(Check::StationBox) {
             return Err(left(Left {
                 stretch,
@@ -287,8 +288,8 @@ impl Envelope {
         Ok(least_m)
     }
 
-    /// How far the vehicle may be from what the samples and the setpoint say: the errors, and what it runs on before it
-    /// has noticed our silence.
+    /// How far the vehicle may be from where the samples and the setpoint say: the errors, and how far it runs on
+    /// before it notices our silence.
     fn drift_allowance_m(&self, speed_mps: f64, measured: Option<Timestamp>, now: Timestamp) -> Result<f64, Refusal> {
         let measured = measured.ok_or(Refusal::State(Reason::RelativeStale))?;
         let runs_on_s =
@@ -330,17 +331,18 @@ impl Envelope {
     }
 }
 
-/// The place of a sample as BPGHP counts.
+/// The place of a sample in the coordinates of BPGHP.
 pub(crate) fn hull_place(sample: &RelativeSample) -> [f64; 3] {
     [sample.horizontal_m, sample.vertical_m, sample.distance_m]
 }
 
-/// The place of a sample as BPGBP counts. The depth is BFNVG's: which way BFCNV's z points is not specified.
+/// The place of a sample in the coordinates of BPGBP. The depth is that of BFNVG, because the specification does not
+/// say in which direction BFCNV's z points.
 pub(crate) fn bottom_place(sample: &CartesianSample, navigation: &NavigationSample) -> [f64; 3] {
     [sample.x_m, sample.y_m, navigation.depth.as_m()]
 }
 
-/// The vehicle's own place as the aim of a move in the frame of another.
+/// A move to where the vehicle is, in the frame of another move.
 pub(crate) fn aim_at_here(other: &Aim, here: Suspended) -> Result<Aim, Refusal> {
     match other {
         Aim::Hull { .. } => {

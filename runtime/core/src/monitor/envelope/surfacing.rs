@@ -12,20 +12,20 @@ use crate::refusal::Figure;
 /// A way up to the surface.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Climb {
-    /// How far it leads over ground, metres, in whatever direction.
+    /// How far it may lead over ground, metres, in any direction.
     pub(super) along_m: f64,
     /// How long it takes, seconds.
     pub(super) lasts_s: f64,
 }
 
-/// The deeper of where the vehicle is and where it may be by then, metres.
+/// The greater of the depth where the vehicle is and the depth where it may be by then.
 pub(super) fn deepest(now: Depth, then_m: f64) -> Result<Depth, Refusal> {
     Depth::from_m(now.as_m().max(then_m).max(0.0)).map_err(Figure::Depth.out_of_range())
 }
 
 impl Envelope {
-    /// The longest way up from a depth: no steeper than the limits promise, no faster than the slowest request, and with the
-    /// strongest current.
+    /// The longest way up from a depth: at the shallowest angle that the limits allow, at the least speed of a request,
+    /// and with the strongest current.
     pub(super) fn climb(&self, from: Depth) -> Climb {
         let limits = &self.limits;
         let (sine, cosine) = sin_cos(limits.climb_angle_min_deg.to_radians());
@@ -47,8 +47,9 @@ impl Envelope {
         })
     }
 
-    /// Safety requirement 002 for a GPS hit: the place with the climb and the drift of the whole wait, in a zone that allows surfacing,
-    /// and the ways to it and on.
+    /// Judges a GPS hit by safety requirement 002: its place, widened by the climb and by the drift of the whole wait,
+    /// must be in a zone that allows surfacing, and the ways to it and on from it must be inside the fence. Returns the
+    /// smallest clearance, metres.
     pub(super) fn judge_surfacing(
         &self,
         (place, cross_track_m): (Shape, f64),
@@ -84,22 +85,24 @@ impl Envelope {
         Ok(least_m)
     }
 
-    /// How far the current carries a vehicle that waits at the surface for GPS.
+    /// How far the current can carry a vehicle that waits at the surface for GPS, metres.
     pub(super) fn drift_m(&self) -> f64 {
         self.limits.current_max_mps * self.limits.gps_hit_duration_max_s
     }
 
-    /// The least and the greatest depth of an insert's flight, metres; `None` where they cannot be known.
+    /// The least and the greatest depth at which an insert is flown, metres; `None` if they cannot be known. A GPS hit
+    /// leads from the depth now to the surface.
     pub(crate) fn depths_m(&self, insert: &Insert, depth: Depth, lock: Option<BottomLock>) -> Option<[f64; 2]> {
         let (InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. }) = insert.path else {
-            return None;
+            return Some([depth.as_m().min(0.0), depth.as_m()]);
         };
         let around = self.ends(insert).0.middle();
         let extent = self.extent(flight.vertical, depth, lock, around, self.length_m(insert));
         extent.ok().map(|extent| [extent.depth_min_m, extent.depth_max_m])
     }
 
-    /// The greatest depth that an insert leads to, metres; `None` where an altitude's depth cannot be known.
+    /// The greatest depth to which an insert leads, metres; the depth now for a GPS hit, and `None` if the depth at the
+    /// set altitude cannot be known.
     pub(crate) fn deepest_m(&self, insert: &Insert, depth: Depth, lock: Option<BottomLock>) -> Option<f64> {
         let vertical = match insert.path {
             InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => flight.vertical,
@@ -110,7 +113,7 @@ impl Envelope {
         extent.ok().map(|extent| extent.depth_max_m)
     }
 
-    /// As [`Envelope::way_by`], from an end onto what the vehicle takes up again.
+    /// As [`Envelope::way_by`], but from an end onto a track that the vehicle takes up again.
     pub(super) fn way_onto(&self, any_depth: bool, from: End, track: &Track, way: &Way) -> Result<f64, Refusal> {
         let radius_m = way.cross_track_m + track.within_m();
         self.least(track.onto(&from.corners()), radius_m, |sweep| {
@@ -122,7 +125,8 @@ impl Envelope {
         })
     }
 
-    /// A way within the extent, or one on which the vehicle may be at any depth down to the extent's deepest.
+    /// Judges a way that is flown within the extent, or, with `any_depth`, a way on which the vehicle may be at any
+    /// depth down to the deepest of the extent.
     pub(super) fn way_by(&self, any_depth: bool, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
         if any_depth {
             self.way_of_any_depth(from, to, way)
@@ -131,7 +135,8 @@ impl Envelope {
         }
     }
 
-    /// All depths must be allowed, by the zone's depths or because it may surface on the whole way.
+    /// The fence must allow all of these depths, because the zone's depths include them or because the vehicle may
+    /// surface on the whole way.
     fn way_of_any_depth(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
         self.least(ways(from, to), way.cross_track_m, |sweep| self.of_any_depth(sweep, way))
     }
@@ -141,9 +146,11 @@ impl Envelope {
             depth_min_m: way.extent.depth_min_m.min(0.0),
             ..way.extent
         };
-        let checked = self
-            .check(sweep, &from_surface, way.when)
-            .or_else(|breach| self.check_surfacing(sweep, &way.extent, way.when).map_err(|_| breach));
+        let passing = (way.depths_m, way.when);
+        let checked = self.check_passing(sweep, &from_surface, passing).or_else(|breach| {
+            self.check_surfacing_passing(sweep, &way.extent, passing)
+                .map_err(|_| breach)
+        });
         match checked {
             Ok(clearance) => Ok(clearance.metres),
             Err(breach) => Err(breach.into()),

@@ -1,4 +1,4 @@
-//! When a geometry may be flown, for zones that are valid for a time (safety requirement 002).
+//! When a geometry may be flown, for zones that are valid for a limited time (safety requirement 002).
 
 use std::time::Duration;
 
@@ -7,22 +7,23 @@ use backseat_units::Utc;
 
 use super::Envelope;
 
-/// While our UTC and the vehicle's differ by more, which of them is right is not known.
+/// If our UTC and the vehicle's differ by more than this, it is not known which of them is right.
 pub(crate) const APART_MAX: Duration = Duration::from_secs(60);
-/// A longer time is none that can be told.
+/// A longer time counts as unknown, seconds.
 const SECONDS_MAX: f64 = 7.0 * 86_400.0;
 
-/// What is known of the time at the moment of a question.
+/// What is known about the time when a question is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Clocks {
-    /// Ours.
+    /// Our UTC.
     pub(crate) utc: Utc,
-    /// By how much the vehicle's differs from it; `None` where that is not known or more than [`APART_MAX`].
+    /// By how much the vehicle's UTC differs from ours; `None` if that is not known or is more than [`APART_MAX`].
     pub(crate) apart: Option<Duration>,
 }
 
 impl Clocks {
-    /// The next so many seconds, by the one clock or the other; `None` where the time is not known or the end is not.
+    /// The next `seconds`, by either of the clocks. `None` if the time is not known, or if `seconds` is not from 0 to
+    /// seven days.
     pub(crate) fn next(&self, seconds: f64) -> Option<Span> {
         let apart = self.apart.filter(|apart| *apart <= APART_MAX)?;
         if !(0.0..=SECONDS_MAX).contains(&seconds) {
@@ -38,12 +39,13 @@ impl Clocks {
 }
 
 impl Envelope {
-    /// The slowest that the vehicle comes over the ground, m/s.
+    /// The least speed at which the vehicle moves over the ground, m/s.
     pub(crate) fn slowest_mps(&self) -> f64 {
         self.limits.speed_min_mps - self.limits.current_max_mps
     }
 
-    /// The fence as it is then, or with every zone that has a window at its worst.
+    /// Checks a sweep against the fence as it is during `when`. Without `when`, every zone that is valid for a limited
+    /// time counts at its worst.
     pub(super) fn check(
         &self,
         sweep: &Sweep,
@@ -56,7 +58,7 @@ impl Envelope {
         }
     }
 
-    /// As [`Envelope::check`], of several shapes with one radius.
+    /// As [`Envelope::check_passing`], for several shapes with one radius.
     pub(super) fn check_all(
         &self,
         shapes: &[Shape],
@@ -70,7 +72,8 @@ impl Envelope {
         }
     }
 
-    /// As [`Envelope::check`], of a way on which the vehicle may be at other depths too.
+    /// As [`Envelope::check`], for a way on which the vehicle may also be at other depths, from the first of `depths_m`
+    /// to the second. Keep-out zones count at all of them.
     pub(super) fn check_passing(
         &self,
         sweep: &Sweep,
@@ -83,7 +86,7 @@ impl Envelope {
         }
     }
 
-    /// As [`Envelope::check`], of a place where the vehicle comes up.
+    /// As [`Envelope::check`], for a place where the vehicle surfaces.
     pub(super) fn check_surfacing(
         &self,
         sweep: &Sweep,
@@ -93,6 +96,19 @@ impl Envelope {
         match when {
             Some(span) => self.fence.during(span).check_surfacing(sweep, extent),
             None => self.fence.check_surfacing(sweep, extent),
+        }
+    }
+
+    /// As [`Envelope::check_surfacing`], of a path on which the vehicle may also be at other depths.
+    pub(super) fn check_surfacing_passing(
+        &self,
+        sweep: &Sweep,
+        extent: &VerticalExtent,
+        (depths_m, when): ([f64; 2], Option<Span>),
+    ) -> Result<Clearance, Breach> {
+        match when {
+            Some(span) => self.fence.during(span).check_surfacing_passing(sweep, extent, depths_m),
+            None => self.fence.check_surfacing_passing(sweep, extent, depths_m),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The lines that an insert is flown along.
+//! The lines along which the vehicle flies an insert.
 
 use backseat_units::EastNorth;
 
@@ -14,14 +14,15 @@ impl Envelope {
         }
     }
 
-    /// The same with its longest leads.
+    /// The same line with its longest leads.
     pub(crate) fn line_with_leads(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
         let (start, end) = self.line_without_leads(insert)?;
         Some(self.with_leads(start, end))
     }
 
-    /// Between which two points the path of an insert begins that the vehicle has begun on its way to: nobody knows how long
-    /// its lead-in is, nor where on a circle without an entry angle it goes.
+    /// The two points between which an insert's path begins, if the vehicle began the insert at `begun`. The length of
+    /// a lead-in is not known. If a circle has no entry angle, the place where the vehicle enters it is not known
+    /// either.
     pub(crate) fn path_begins(&self, insert: &Insert, begun: EastNorth) -> [EastNorth; 2] {
         let frame = self.fence.frame();
         match insert.path {
@@ -38,12 +39,12 @@ impl Envelope {
                 let centre = frame.to_local(centre);
                 let bearing_deg = begun.bearing_deg(centre);
                 let away_m = begun.distance_m(centre);
-                // From within a circle, or as near to it as navigation tells, every direction leads to it: it has begun
-                // between the two.
+                // Inside a circle, or so near to it that the error of navigation does not exclude that, the way may
+                // lead in any direction. So `begun` lies between the two points.
                 if away_m <= radius_m + self.limits.navigation_error_m {
                     return [2.0 * radius_m, -2.0 * radius_m].map(|off_m| begun.offset(bearing_deg, off_m));
                 }
-                // Abreast of the middle, on the two lines that touch it.
+                // Abeam of the centre, on the two tangents from `begun` to the circle.
                 let radius_m = radius_m * away_m / (away_m * away_m - radius_m * radius_m).sqrt();
                 let across_deg = bearing_deg + 90.0;
                 [radius_m, -radius_m].map(|off_m| centre.offset(across_deg, off_m))
@@ -52,8 +53,8 @@ impl Envelope {
         }
     }
 
-    /// The lines between which a vehicle lies that flies an insert: the line itself, or the sides of the box around a
-    /// circle or around where it drifts.
+    /// The lines around everything that the vehicle flies of an insert: the line itself with its longest leads, or the
+    /// sides of the square around a circle or around the area in which the vehicle drifts.
     pub(crate) fn legs(&self, insert: &Insert) -> Vec<(EastNorth, EastNorth)> {
         let (centre, radius_m) = match insert.path {
             InsertPath::Line { start, end, .. } => {

@@ -2,40 +2,41 @@ use serde::{Deserialize, Serialize};
 
 use crate::monitor::limits::{LimitError, Limits};
 
-/// What navigation may say from one sample to the next: the `[limits.integrity]` table of a mission (safety requirement
-/// 024). By the defaults what no vehicle can do; tighter ones find more, and sooner.
+/// What navigation may report from one sample to the next: the `[limits.integrity]` table of a mission (safety
+/// requirement 024). The defaults are what no vehicle can do. Tighter limits find more faults, and find them sooner.
 ///
-/// A *step* is what noise and a correction of the solution may do between any two samples; a *drift* is what may come to it
-/// for each second between them.
+/// A *step* is what noise and a correction of the solution may do between any two samples. A *drift* is what may be
+/// added to it for each second between them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegrityLimits {
-    /// The greatest speed over ground, m/s. Where absent, half as much again as `speed_max_mps` (3 m/s at least) and the
-    /// strongest current together: a vehicle may be built for more than its mission asks.
+    /// The greatest speed over ground, m/s. If absent: 1.5 times the sum of `speed_max_mps` (at least 3 m/s) and the
+    /// strongest current, because a vehicle may be built for more speed than its mission asks for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_max_mps: Option<f64>,
-    /// How far the position may step, metres: as much as a jump may have without being one (021).
+    /// How far the position may step, metres. The default is what the check for jumps (021) allows in addition to the
+    /// vehicle's motion.
     pub position_step_m: f64,
-    /// How far position and integrated velocity may drift apart in a second, m/s: dead reckoning is that integral, and what
-    /// comes on top of it is a correction.
+    /// How fast position and integrated velocity may drift apart, m/s. Dead reckoning is that integral, so what differs
+    /// from it is a correction.
     pub position_drift_mps: f64,
-    /// The fastest dive or climb, m/s: 45 degrees of pitch at 3 m/s, and heave.
+    /// The fastest dive or climb, m/s. The default is 45 degrees of pitch at 3 m/s, and some heave.
     pub depth_rate_max_mps: f64,
-    /// How far the depth may step, metres: waves at the surface pass over the pressure sensor.
+    /// How far the depth may step, metres: at the surface, waves pass over the pressure sensor.
     pub depth_step_m: f64,
-    /// How far depth and integrated vertical velocity may drift apart in a second, m/s: they are of two sensors.
+    /// How fast depth and integrated vertical velocity may drift apart, m/s: they come from two sensors.
     pub depth_drift_mps: f64,
-    /// How far the heading may step, degrees: a compass turns when iron passes.
+    /// How far the heading may step, degrees: iron turns a compass as the vehicle passes it.
     pub heading_step_deg: f64,
-    /// How far heading and integrated yaw rate may drift apart in a second, degrees a second: a yaw rate of the body is not
-    /// quite the heading's where the vehicle rolls and pitches.
+    /// How fast heading and integrated yaw rate may drift apart, degrees a second: the body's yaw rate is not quite the
+    /// heading's while the vehicle rolls and pitches.
     pub heading_drift_dps: f64,
-    /// How long the position may be the same to its last digit while the velocity is over 0.3 m/s, seconds.
+    /// How long the position may be the same to its last digit while the velocity is 0.3 m/s or more, seconds.
     pub frozen_s: f64,
     /// How long BFNVG may come without BFNVR, seconds.
     pub velocity_gap_s: f64,
-    /// How much depth plus altitude may step beside what `seabed_slope_max` lets the seabed rise, metres: wrecks and rocks
-    /// stand on it.
+    /// How far depth plus altitude may step in addition to what `seabed_slope_max` lets the seabed rise, metres: wrecks
+    /// and rocks stand on the seabed.
     pub seabed_step_m: f64,
 }
 
@@ -58,7 +59,7 @@ impl Default for IntegrityLimits {
 }
 
 impl IntegrityLimits {
-    /// With the greatest speed worked out.
+    /// The same limits with `speed_max_mps` set.
     pub(crate) fn resolved(self, limits: &Limits) -> Self {
         let speed_max_mps = self
             .speed_max_mps
@@ -69,7 +70,7 @@ impl IntegrityLimits {
         }
     }
 
-    /// The greatest speed over ground, m/s; none is too much before it has been worked out.
+    /// The greatest speed over ground, m/s. It is 0 before `resolved` has set it, so that every speed exceeds it.
     pub(crate) fn speed_max_mps(&self) -> f64 {
         self.speed_max_mps.unwrap_or(0.0)
     }

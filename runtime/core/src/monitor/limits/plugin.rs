@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::monitor::limits::{LimitError, seconds};
 
-/// What one plugin may use of what the mission allows to all: the `[plugin.limits]` table beside its grants. What is
-/// absent is bounded by the mission's `[limits]` alone.
+/// What one plugin may use of what the mission allows to all plugins: the `[plugin.limits]` table beside its grants.
+/// Where a limit is absent, the mission's `[limits]` are the only bound.
 ///
-/// They are what keeps a plugin of high priority, or one that merely asks more often, from using up what the others need:
-/// the mission's own caps are shared by who comes first.
+/// All plugins share the mission's own caps, and the plugin that asks first gets them. The limits of this table keep a
+/// plugin of high priority, or one that asks more often, from using up what the others need.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PluginLimits {
@@ -24,16 +24,16 @@ pub struct PluginLimits {
     /// How long it may steer in the whole mission, by modifies and station keeping together, seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steering_max_s: Option<f64>,
-    /// How many of its requests are taken in a second.
+    /// How many of its requests the runtime takes in a second.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub requests_per_s: Option<u32>,
 }
 
 impl PluginLimits {
-    /// Every figure within what it can mean.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`LimitError`] names the first key that is not.
+    /// [`LimitError`] names the first key whose value is not.
     pub fn validate(&self) -> Result<(), LimitError> {
         for (key, value) in [
             ("inserts_duration_max_s", self.inserts_duration_max_s),
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_limit_of_a_plugin_that_makes_no_sense_is_named() {
+    fn an_invalid_limit_of_a_plugin_is_named() {
         type Spoil = fn(&mut PluginLimits);
         assert_eq!(PluginLimits::default().validate(), Ok(()));
         let cases: [(&str, Spoil); 3] = [

@@ -1,4 +1,4 @@
-//! What a hovering vehicle may do beside its mission: the `[limits.station]` table.
+//! What plugins may ask of a hovering vehicle: the `[limits.station]` table.
 
 use std::time::Duration;
 
@@ -6,27 +6,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::monitor::limits::{LimitError, seconds};
 
-/// What the operator allows a hovering vehicle's leases and devices (SPI 8), and what the vehicle is known to do at
-/// worst: the `[limits.station]` table of a mission. Without the table every request to keep station, and every one for
-/// a device, is rejected.
+/// What the operator lets plugins ask of a hovering vehicle's station keeping and devices (SPI 8), and what the vehicle
+/// does at worst: the `[limits.station]` table of a mission. Without the table, every request for station keeping or
+/// for a device is rejected.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StationLimits {
     /// The greatest speed of a move, m/s.
     pub speed_max_mps: f64,
-    /// The vehicle's own speed limit, which station keeping that changed it restores, m/s (SPI 8.4).
+    /// The vehicle's own speed limit, m/s. The runtime restores it after station keeping has changed it (SPI 8.4).
     #[serde(default = "default::speed_default_mps")]
     pub speed_default_mps: f64,
-    /// How wrong relative navigation may be and how far the vehicle strays from its way, metres.
+    /// How wrong relative navigation may be, plus how far the vehicle strays from its way, metres.
     #[serde(default = "default::position_error_m")]
     pub position_error_m: f64,
     /// Relative navigation older than this is stale, seconds.
     #[serde(default = "default::relative_age_max_s")]
     pub relative_age_max_s: f64,
-    /// Relative navigation that moves by more than the vehicle can, and this, has jumped, metres.
+    /// Relative navigation has jumped if it moves by more than the vehicle can, plus this, metres.
     #[serde(default = "default::jump_allowance_m")]
     pub jump_allowance_m: f64,
-    /// The longest that station keeping may stand without being asked for anew, seconds.
+    /// The longest duration of one request for station keeping, seconds. The plugin must ask again before it is over.
     #[serde(default = "default::term_max_s")]
     pub term_max_s: f64,
     /// The least height above the seabed while the vehicle keeps its station over the bottom, metres.
@@ -41,22 +41,22 @@ pub struct StationLimits {
     /// Where the vehicle may be relative to the hull (BFRNV, SPI 6.17); without it BPGHP is rejected.
     #[serde(default)]
     pub hull_box: Option<HullBox>,
-    /// Where it may be in its inertial frame (BFCNV, SPI 6.19); without it BPGBP is rejected.
+    /// Where the vehicle may be in its inertial frame (BFCNV, SPI 6.19); without it BPGBP is rejected.
     #[serde(default)]
     pub bottom_box: Option<BottomBox>,
-    /// Where it must not be relative to the hull, a screw for example.
+    /// Where the vehicle must not be relative to the hull, such as around a screw.
     #[serde(default)]
     pub keep_out_hull: Vec<HullBox>,
-    /// Where it must not be in its inertial frame.
+    /// Where the vehicle must not be in its inertial frame.
     #[serde(default)]
     pub keep_out_bottom: Vec<BottomBox>,
 }
 
-/// A box relative to the hull, as BFRNV and BPGHP count, metres.
+/// A box relative to the hull, in the coordinates of BFRNV and BPGHP, metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HullBox {
-    /// What it is called in a rejection.
+    /// Its name in refusals.
     #[serde(default)]
     pub name: String,
     /// Least horizontal position.
@@ -67,17 +67,17 @@ pub struct HullBox {
     pub vertical_min_m: f64,
     /// Greatest vertical position.
     pub vertical_max_m: f64,
-    /// Least distance from the hull; of the allowed box: the least stand-off.
+    /// Least distance from the hull. In the allowed box this is the least stand-off.
     pub distance_min_m: f64,
     /// Greatest distance from the hull.
     pub distance_max_m: f64,
 }
 
-/// A box in the vehicle's inertial frame, as BFCNV and BPGBP count, with depths below the surface, metres.
+/// A box in the vehicle's inertial frame, in the coordinates of BFCNV and BPGBP, with depths below the surface, metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BottomBox {
-    /// What it is called in a rejection.
+    /// Its name in refusals.
     #[serde(default)]
     pub name: String,
     /// Least x.
@@ -116,10 +116,10 @@ mod default {
 }
 
 impl StationLimits {
-    /// Every figure within what it can mean.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`LimitError`] names the first key that is not.
+    /// [`LimitError`] names the first key whose value is not.
     pub(crate) fn validate(&self) -> Result<(), LimitError> {
         let positive = [
             ("station.speed_max_mps", self.speed_max_mps),
@@ -164,13 +164,13 @@ impl StationLimits {
                 "station.sonar_angle_min_deg",
                 alone,
                 false,
-                "sonar_angle_max_deg beside it",
+                "sonar_angle_max_deg as well",
             )?,
             (None, Some(alone)) => within(
                 "station.sonar_angle_max_deg",
                 alone,
                 false,
-                "sonar_angle_min_deg beside it",
+                "sonar_angle_min_deg as well",
             )?,
         }
         if let Some(allowed) = &self.hull_box {
@@ -222,7 +222,7 @@ impl BottomBox {
 
 fn ordered(key: &'static str, min: f64, max: f64) -> Result<(), LimitError> {
     let sound = |value: f64| value.abs() < 1e6;
-    within(key, min, sound(min), "metres within a million")?;
+    within(key, min, sound(min), "above -1000000 and below 1000000")?;
     within(key, max, sound(max) && max > min, "each max_m above its min_m")
 }
 
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_that_makes_no_sense_is_named() {
+    fn an_invalid_limit_is_named() {
         assert_eq!(limits().validate(), Ok(()));
         type Break = fn(&mut StationLimits);
         let broken: [(&str, Break); 11] = [

@@ -1,4 +1,4 @@
-//! What an external source may say: its figures, held against the mission's bounds and against present navigation.
+//! The values that an external source may send, compared with the mission's bounds and with present navigation.
 
 use backseat_spi::{BearingOffset, PayloadCtd, PositionFix, RelativeReset, ToVehicle};
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay};
@@ -8,16 +8,17 @@ use crate::monitor::limits::LimitError;
 use crate::plugin::{NavigationSample, Refusal};
 use crate::refusal::{Figure, Reason};
 
-/// Measurements may be this much ahead of our clock, seconds: that of the external source's instrument is another one.
+/// A measurement may be ahead of our clock by this, seconds, because the external source's instrument has a clock of
+/// its own.
 const AHEAD_MAX_S: f64 = 0.5;
-/// Sea water has some 60,000 uS/cm at most.
+/// Sea water has about 60,000 uS/cm at most.
 const CONDUCTIVITY_MAX_US_PER_CM: f64 = 100_000.0;
 const TEMPERATURE_MIN_C: f64 = -5.0;
 const TEMPERATURE_MAX_C: f64 = 50.0;
-/// The deepest sea has some 112,000 kPa.
+/// The deepest sea has about 112,000 kPa.
 const PRESSURE_MAX_KPA: f64 = 120_000.0;
 
-/// A unit of conductivity. The specification says uS/cm (SPI 7.15); there is a client that sends S/m.
+/// A unit of conductivity. The specification says uS/cm (SPI 7.15), but there is a client that sends S/m.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ConductivityUnit {
     /// Microsiemens per centimetre.
@@ -30,7 +31,7 @@ pub enum ConductivityUnit {
 }
 
 impl ConductivityUnit {
-    /// How many uS/cm one of it is.
+    /// How many uS/cm one of this unit is.
     const fn us_per_cm(self) -> f64 {
         match self {
             Self::MicrosiemensPerCentimetre => 1.0,
@@ -39,11 +40,12 @@ impl ConductivityUnit {
     }
 }
 
-/// The figures that an external source may send, and how often: the `[external.bounds]` table.
+/// The values that an external source may send, and how often: the `[external.bounds]` table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ExternalBounds {
-    /// How many sentences of all kinds pass in a second; as many, one at least, may come at once. Above 0, at most 100.
+    /// How many sentences of all kinds pass in a second, above 0 and at most 100. As many may come at once, but at
+    /// least one.
     pub rate_max_hz: f64,
     /// How old a measurement may be, by its own time and our clock, seconds (BPNPU, BPCTD).
     pub measured_age_max_s: f64,
@@ -55,13 +57,13 @@ pub struct ExternalBounds {
     pub fix_depth_difference_max_m: f64,
     /// Whether a fix may be forced upon the vehicle (BPNPU). That ends leases and station keeping.
     pub fix_force: bool,
-    /// How far along either axis relative navigation may be reset to, metres (BPRNS).
+    /// How far relative navigation may be reset along each axis, metres (BPRNS).
     pub reset_max_m: f64,
     /// The largest bearing offset, degrees to either side (BPRBO).
     pub offset_max_deg: f64,
     /// The unit of conductivity that the external source sends (BPCTD).
     pub conductivity_in: ConductivityUnit,
-    /// The unit of conductivity that the vehicle is sent (BPCTD).
+    /// The unit of conductivity that the runtime sends to the vehicle (BPCTD).
     pub conductivity_out: ConductivityUnit,
 }
 
@@ -83,10 +85,10 @@ impl Default for ExternalBounds {
 }
 
 impl ExternalBounds {
-    /// Every figure within what it can mean.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`LimitError`] names the first key that is not.
+    /// [`LimitError`] names the first key whose value is not.
     pub fn validate(&self) -> Result<(), LimitError> {
         let figures = [
             ("rate_max_hz", self.rate_max_hz, 100.0, "above 0, at most 100"),
@@ -130,7 +132,7 @@ impl ExternalBounds {
         self.rate_max_hz.max(1.0)
     }
 
-    /// The sample in the vehicle's unit.
+    /// Checks a CTD sample, and converts it to the vehicle's unit.
     pub(crate) fn ctd(&self, ctd: PayloadCtd, utc: TimeOfDay) -> Result<PayloadCtd, Refusal> {
         self.recent(ctd.measured, utc)?;
         let us_per_cm = ctd.conductivity_us_per_cm * self.conductivity_in.us_per_cm();
@@ -192,8 +194,8 @@ impl ExternalBounds {
         )
     }
 
-    /// A measurement's own time, held against our clock. Not the time of the sentence, whose sender's clock may be hours
-    /// away: what the vehicle makes of a measurement hangs on when it was made.
+    /// Compares a measurement's own time with our clock. The time of the sentence does not count, because the clock of
+    /// its sender may be hours off. What the vehicle does with a measurement depends on when it was made.
     fn recent(&self, measured: TimeOfDay, utc: TimeOfDay) -> Result<(), Refusal> {
         let age_s = utc.nanos_since(measured) as f64 / 1e9;
         if (-AHEAD_MAX_S..=self.measured_age_max_s).contains(&age_s) {
@@ -210,12 +212,12 @@ fn within(figure: Figure, value: f64, least: f64, most: f64) -> Result<(), Refus
     Err(figure.not_within(value, least, most))
 }
 
-/// Whether a message moves the frame that the monitor judges in: the vehicle has to take it.
+/// Whether a message moves the frame in which the monitor judges: a message that the vehicle cannot ignore.
 pub(crate) fn moves_frame(message: &ToVehicle) -> bool {
     resets_relative(message) || matches!(message, ToVehicle::PositionFix(fix) if fix.force)
 }
 
-/// Whether relative navigation begins anew with a message.
+/// Whether a message resets relative navigation.
 pub(crate) const fn resets_relative(message: &ToVehicle) -> bool {
     matches!(message, ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_))
 }

@@ -1,4 +1,4 @@
-//! Cancels beyond a plugin's own.
+//! Cancels that only the operator may order.
 
 use backseat_core::plugin::Request;
 use backseat_core::{Operator, Order, RequestKind};
@@ -32,7 +32,7 @@ fn a_cancel_of_all_cancels_our_inserts_that_have_not_begun_and_asks_for_the_plan
 }
 
 #[test]
-fn a_cancel_of_all_that_is_refused_not_answered_or_lost_leaves_the_inserts() {
+fn a_refused_unanswered_or_lost_cancel_of_all_leaves_the_inserts() {
     for (reply, end) in [(Reply::Refuse, "failed"), (Reply::Silent, "timed out")] {
         for lost in [false, true] {
             let mut trial = Trial::under_way();
@@ -57,10 +57,10 @@ fn a_cancel_of_all_that_is_refused_not_answered_or_lost_leaves_the_inserts() {
 }
 
 #[test]
-fn sr_010_a_cancel_of_all_does_not_end_an_insert_that_was_not_answered_and_may_be_flown() {
+fn sr_010_a_cancel_of_all_does_not_end_an_unanswered_insert_that_may_be_flown() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
-    // It has begun, and can no longer be cancelled by its identifier (SPI 7.8).
+    // The insert has begun, and can no longer be cancelled by its identifier (SPI 7.8).
     trial.vehicle.replies.insert("RCN", Reply::Refuse);
     trial.ask(0, [interrupting(11)]);
     trial.run_for(5.0);
@@ -72,7 +72,7 @@ fn sr_010_a_cancel_of_all_does_not_end_an_insert_that_was_not_answered_and_may_b
         ["sent", "accepted", "ended"]
     );
     refused_for(&mut trial, interrupting(12), 12, "interrupt");
-    // It neither waits nor is flown.
+    // The insert now neither waits nor is flown.
     begins(&mut trial, Some(2), None);
     trial.ask(0, [interrupting(13)]);
     trial.run_for(0.5);
@@ -90,7 +90,7 @@ fn sr_010_a_cancel_of_all_does_not_end_an_interrupting_insert_whose_begin_was_no
         let mut trial = Trial::under_way();
         trial.ask(0, [interrupting(11)]);
         trial.run_for(0.5);
-        // It begins as it is accepted (SPI 7.5), and the BFMBS of that was lost.
+        // The insert begins when it is accepted (SPI 7.5), and the BFMBS of that was lost.
         assert_eq!(shorts(&trial.states(11)), ["sent", "accepted"]);
         if !flown {
             trial.vehicle.inserted.remove(&1);
@@ -136,7 +136,7 @@ fn cancels_need_control() {
 }
 
 #[test]
-fn the_current_behavior_is_cancelled_only_where_it_is_an_insert_of_ours() {
+fn the_current_behavior_is_cancelled_only_if_it_is_our_insert() {
     let mut trial = Trial::under_way();
     let attempt = |trial: &mut Trial| {
         order(trial, Order::CancelCurrent);
@@ -170,7 +170,7 @@ fn the_current_behavior_is_cancelled_only_where_it_is_an_insert_of_ours() {
 }
 
 #[test]
-fn what_the_vehicle_flies_is_not_known_after_a_reconnect() {
+fn the_current_behavior_is_unknown_after_a_reconnect() {
     let mut trial = Trial::under_way();
     trial.ask(0, [interrupting(11)]);
     trial.run_for(0.3);
@@ -184,8 +184,8 @@ fn what_the_vehicle_flies_is_not_known_after_a_reconnect() {
 }
 
 #[test]
-fn sr_002_sr_020_the_way_from_a_cancelled_behavior_to_what_comes_next_is_judged() {
-    // The vehicle stands north of the wreck, its next insert begins south of it.
+fn sr_002_sr_020_the_way_from_a_cancelled_behavior_to_the_next_one_is_checked() {
+    // The vehicle is north of the wreck. The first of the two next inserts begins south of it.
     for (next_start, clear) in [((0.0, -1400.0), false), ((900.0, -400.0), true)] {
         let mut trial = Trial::new();
         trial.vehicle.start = backseat_units::EastNorth::new(-10.0, -600.0);
@@ -228,7 +228,7 @@ fn sr_002_sr_020_the_way_from_a_cancelled_behavior_to_what_comes_next_is_judged(
 }
 
 #[test]
-fn a_cancel_of_the_element_is_sent_as_the_operator_says() {
+fn a_cancel_of_the_element_is_sent_as_ordered() {
     for (reply, end) in [
         (Reply::Ok, "ended"),
         (Reply::Refuse, "failed"),
@@ -244,7 +244,7 @@ fn a_cancel_of_the_element_is_sent_as_the_operator_says() {
 }
 
 #[test]
-fn the_link_of_a_cancel_is_not_the_link_of_the_next() {
+fn an_answer_on_a_new_connection_does_not_belong_to_an_old_cancel() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RCE", Reply::Silent);
     order(&mut trial, Order::CancelElement);

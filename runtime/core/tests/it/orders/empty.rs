@@ -14,7 +14,7 @@ fn ready() -> Trial {
 }
 
 #[test]
-fn an_empty_mission_starts_where_none_runs_and_ends_when_bfmis_says_running() {
+fn an_order_to_start_an_empty_mission_ends_when_bfmis_says_running() {
     for (duration_s, said) in [
         (5400, "90,1"),
         (7200, "2,0"),
@@ -43,7 +43,7 @@ fn an_empty_mission_starts_where_none_runs_and_ends_when_bfmis_says_running() {
 }
 
 #[test]
-fn an_empty_mission_that_is_refused_not_answered_not_started_or_cut_off_ends_so() {
+fn every_order_to_start_an_empty_mission_gets_its_outcome() {
     let ends = |reply: Option<Reply>, cut: bool, status: Option<&'static str>| {
         let mut trial = ready();
         if let Some(reply) = reply {
@@ -74,7 +74,7 @@ fn an_empty_mission_that_is_refused_not_answered_not_started_or_cut_off_ends_so(
 }
 
 #[test]
-fn an_empty_mission_needs_that_none_runs_a_link_a_duration_and_no_hold() {
+fn an_empty_mission_needs_a_link_a_duration_no_running_mission_and_no_hold() {
     let rejected = |trial: &mut Trial, duration_s| {
         order(trial, Order::StartEmptyMission { duration_s });
         rejection(trial, RequestKind::StartEmptyMission)
@@ -100,5 +100,5 @@ fn an_empty_mission_needs_that_none_runs_a_link_a_duration_and_no_hold() {
     assert!(rejected(&mut silent, 60).contains("has not said whether a mission runs"));
     let mut twice = ready();
     order(&mut twice, Order::StartEmptyMission { duration_s: 60 });
-    assert!(rejected(&mut twice, 60).contains("being started already"));
+    assert!(rejected(&mut twice, 60).contains("already being started"));
 }

@@ -31,7 +31,7 @@ fn an_abort_ends_the_lease_first_and_takes_the_helm_from_the_plugins() {
     );
     assert_eq!(wire(&trial.commands("ABT")[0].1), "$BPABT,leak  in bay 2 rmb,1");
     assert!(trial.sent_since("RMB", at).is_empty() && trial.sent_since("RTK", at).is_empty());
-    // The mission is over, and the next one is another matter.
+    // The mission is over, and the abort does not affect the next one.
     let now = trial.now;
     trial.vehicle.set_status(now, "Aborted");
     trial.run_for(1.0);
@@ -43,7 +43,7 @@ fn an_abort_ends_the_lease_first_and_takes_the_helm_from_the_plugins() {
 }
 
 #[test]
-fn a_kill_and_a_successful_end_say_so_on_the_wire() {
+fn a_kill_and_a_successful_end_are_encoded_as_ordered() {
     let mut trial = Trial::under_way();
     order(&mut trial, kill());
     order(
@@ -94,13 +94,13 @@ fn sr_014_an_abort_needs_no_control_but_an_armed_runtime() {
 }
 
 #[test]
-fn an_unanswered_abort_is_sent_five_times_each_with_its_own_stamp_and_a_refused_one_once() {
+fn an_unanswered_abort_is_sent_five_times_with_a_new_time_each_and_a_refused_one_once() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("ABT", Reply::Silent);
     let at = trial.now;
     order(&mut trial, abort());
     order(&mut trial, abort());
-    assert!(rejection(&trial, RequestKind::Abort).contains("under way already"));
+    assert!(rejection(&trial, RequestKind::Abort).contains("already under way"));
     trial.run_for(20.0);
     let sent: Vec<Duration> = trial.sent("ABT").iter().map(|sent| sent.since(at)).collect();
     assert_eq!(sent, (0..5).map(Duration::from_secs).collect::<Vec<_>>());
@@ -112,7 +112,7 @@ fn an_unanswered_abort_is_sent_five_times_each_with_its_own_stamp_and_a_refused_
     stamps.dedup();
     assert_eq!(stamps.len(), 5);
     assert_eq!(states(&trial, RequestKind::Abort).last(), Some(&RequestState::TimedOut));
-    // Plugins stay silent all the same until they are released.
+    // The plugins still stay without control until the operator releases them.
     assert!(!trial.core.has_control());
     trial.operator(Operator::Release);
     assert!(trial.core.has_control());
@@ -127,7 +127,7 @@ fn an_unanswered_abort_is_sent_five_times_each_with_its_own_stamp_and_a_refused_
 }
 
 #[test]
-fn an_abort_is_not_sent_again_once_the_vehicle_shows_that_it_ends_its_mission() {
+fn an_abort_is_not_sent_again_once_the_vehicle_reports_that_its_mission_is_ending() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("ABT", Reply::Silent);
     trial.vehicle.replies.insert("KIL", Reply::Silent);
@@ -143,7 +143,7 @@ fn an_abort_is_not_sent_again_once_the_vehicle_shows_that_it_ends_its_mission() 
             "Aborting".to_owned()
         )))
     );
-    // What wraps up moves: a kill goes on until the vehicle has stopped.
+    // A vehicle that wraps up still moves, so core repeats a kill until the vehicle has stopped.
     order(&mut trial, kill());
     trial.run_for(2.5);
     assert_eq!((trial.commands("ABT").len(), trial.commands("KIL").len()), (1, 3));
@@ -155,7 +155,7 @@ fn an_abort_is_not_sent_again_once_the_vehicle_shows_that_it_ends_its_mission() 
 }
 
 #[test]
-fn a_kill_takes_the_place_of_an_abort_that_is_not_answered() {
+fn a_kill_replaces_an_unanswered_abort() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("ABT", Reply::Silent);
     order(&mut trial, abort());
@@ -165,7 +165,7 @@ fn a_kill_takes_the_place_of_an_abort_that_is_not_answered() {
     assert_eq!((trial.commands("ABT").len(), trial.commands("KIL").len()), (1, 1));
     assert_eq!(shorts(&states(&trial, RequestKind::Abort)), ["sent", "timed out"]);
 
-    // The same while nothing can be sent.
+    // The same holds while nothing can be sent.
     let mut trial = Trial::under_way();
     trial.unreachable = true;
     trial.cut();
@@ -178,7 +178,7 @@ fn a_kill_takes_the_place_of_an_abort_that_is_not_answered() {
 }
 
 #[test]
-fn an_abort_that_finds_no_link_is_kept_for_two_minutes_and_no_longer() {
+fn an_abort_without_a_link_is_kept_for_two_minutes_and_no_longer() {
     for (seconds, sent) in [(100.0, 1), (130.0, 0)] {
         let mut trial = Trial::under_way();
         trial.unreachable = true;
@@ -190,7 +190,7 @@ fn an_abort_that_finds_no_link_is_kept_for_two_minutes_and_no_longer() {
         assert_eq!(trial.commands("ABT").len(), sent, "{seconds} s");
         assert_eq!(trial.core.open_requests(), 0);
         if sent == 0 {
-            assert!(rejection(&trial, RequestKind::Abort).contains("order it again"));
+            assert!(rejection(&trial, RequestKind::Abort).contains("give the order again"));
         } else {
             let up = trial.names_since(trial.sent("VER").last().copied().unwrap());
             let acks = up.iter().position(|name| *name == "LOG").unwrap();
@@ -232,7 +232,7 @@ fn sr_009_an_abort_whose_answer_was_lost_with_the_link_is_sent_again_when_it_is_
 }
 
 #[test]
-fn answers_twice_or_late_to_an_abort_change_nothing() {
+fn late_answers_to_an_abort_change_nothing() {
     let mut trial = Trial::under_way();
     trial
         .vehicle

@@ -9,7 +9,7 @@ use crate::course::{modify, plugin};
 use crate::trial::{Setup, Trial};
 
 #[test]
-fn sr_015_hold_and_release_can_be_ordered_and_are_told_as_the_operators_acts() {
+fn sr_015_policies_can_hold_and_release_and_core_reports_this_as_the_operators_acts() {
     let policies = vec![
         Policy {
             when: Condition::MissionCommand("payload hold".to_owned()),
@@ -25,7 +25,7 @@ fn sr_015_hold_and_release_can_be_ordered_and_are_told_as_the_operators_acts() {
     trial.run_for(0.5);
     say_command(&mut trial, "payload hold ");
     assert!(!trial.core.is_steering() && !trial.core.has_control());
-    // Drivers keep the hold across restarts by this.
+    // Drivers keep the hold across restarts because of this note.
     assert!(
         trial
             .notes()
@@ -69,7 +69,7 @@ fn sr_012_policies_act_in_the_order_of_the_file_on_the_exact_text() {
     assert_eq!(names[..2], ["RCA", "ABT"], "{names:?}");
     assert!(trial.commands("KIL").is_empty());
 
-    // Unarmed, it is told that it was not carried out.
+    // If the runtime is not armed, the order is rejected and the log says so.
     let setup = with_policies(policies);
     let start = Start {
         armed: false,
@@ -93,7 +93,7 @@ fn stale_policy(seconds: f64, order: Order) -> Policy {
 }
 
 #[test]
-fn a_policy_on_stale_navigation_acts_once_in_each_stale_time() {
+fn a_policy_on_stale_navigation_acts_once_in_each_stale_period() {
     let policies = vec![stale_policy(20.0, abort()), stale_policy(5.0, Order::Hold)];
     let mut trial = Trial::with_under_way(with_policies(policies));
     let holds = |trial: &Trial| -> Vec<Timestamp> {
@@ -109,7 +109,7 @@ fn a_policy_on_stale_navigation_acts_once_in_each_stale_time() {
     let [held] = holds(&trial)[..] else {
         panic!("{:?}", holds(&trial))
     };
-    // A second after the last sample it is stale, five seconds later the policy acts.
+    // Navigation is stale one second after the last sample, and the policy acts five seconds later.
     let after = held.since(stopped).as_secs_f64();
     assert!((5.8..6.2).contains(&after), "{after}");
     assert!(trial.commands("ABT").is_empty());
@@ -123,7 +123,7 @@ fn a_policy_on_stale_navigation_acts_once_in_each_stale_time() {
 }
 
 #[test]
-fn a_policy_on_stale_navigation_waits_for_the_first_connection_and_takes_no_nonsense_for_a_time() {
+fn a_policy_on_stale_navigation_waits_for_the_first_connection_and_ignores_invalid_times() {
     let policies = vec![stale_policy(5.0, Order::Hold)];
     let mut trial = Trial::with(with_policies(policies));
     trial.unreachable = true;
@@ -149,7 +149,7 @@ fn a_policy_on_stale_navigation_waits_for_the_first_connection_and_takes_no_nons
 }
 
 #[test]
-fn a_policy_on_quarantine_and_a_plugins_fail_action_abort_once() {
+fn a_policy_on_quarantine_and_a_plugins_fail_action_act_once() {
     let failing = PluginSetup {
         on_failure: FailAction::Abort,
         ..plugin("first")
@@ -166,7 +166,7 @@ fn a_policy_on_quarantine_and_a_plugins_fail_action_abort_once() {
     assert_eq!(wire(&trial.commands("ABT")[0].1), "$BPABT,a plugin failed,1");
     assert!(!trial.core.is_steering());
 
-    // The vehicle wraps up: another failure, or a policy, does not abort that; the operator's own word would.
+    // While the vehicle wraps up, neither another failure nor a policy aborts that; the operator's own order does.
     let now = trial.now;
     trial.vehicle.set_status(now, "Aborting");
     trial.run_for(5.0);

@@ -1,4 +1,4 @@
-//! The cases at the edges, by hand.
+//! Cases at the limits, written by hand.
 
 use super::*;
 
@@ -45,7 +45,7 @@ fn the_edge_itself_is_outside_even_without_margin_and_radius() {
 }
 
 #[test]
-fn a_breach_tells_how_far_the_worst_point_is_out() {
+fn a_breach_reports_how_far_out_the_worst_point_is() {
     let fence = box_fence(10.0);
     let shape = leg((0.0, 0.0), (130.0, 0.0));
     assert_eq!(refused(&fence, shape, 2.0), (Rule::KeepIn, 42.0));
@@ -61,7 +61,7 @@ fn a_breach_tells_how_far_the_worst_point_is_out() {
 }
 
 #[test]
-fn a_leg_of_no_length_is_a_point() {
+fn a_leg_without_length_is_a_point() {
     let fence = box_fence(10.0);
     for nearly in [0.0, 1e-300, 1e-12] {
         assert!((spare(&fence, leg((50.0, 0.0), (50.0 + nearly, 0.0)), 1.0) - 39.0).abs() < 1e-9);
@@ -114,7 +114,7 @@ fn a_leg_that_crosses_an_edge_almost_along_it_is_refused() {
     use parry2d_f64::query;
     use parry2d_f64::shape::Segment;
 
-    // parry's query for two segments has them a sixth of a millimetre apart.
+    // parry's query for two segments reports them a sixth of a millimetre apart.
     let edge = [
         (-20574.405144916982, -3111.4465800436574),
         (-21382.10248824897, -10502.06597039965),
@@ -126,7 +126,7 @@ fn a_leg_that_crosses_an_edge_almost_along_it_is_refused() {
     let segment = |[a, b]: [(f64, f64); 2]| Segment::new(Vector::new(a.0, a.1), Vector::new(b.0, b.1));
     let here = Pose::IDENTITY;
     let theirs = query::distance(&here, &segment(edge), &here, &segment(ends)).unwrap();
-    assert!(theirs.distance > 1e-4, "parry has mended it: {theirs:?}");
+    assert!(theirs.distance > 1e-4, "parry has fixed this query: {theirs:?}");
 
     let ring = vec![edge[0], edge[1], (0.0, -20000.0), (0.0, 0.0)];
     let sea = fence(vec![zone("sea", KEEP_IN, 0.0, &[ring])]);
@@ -185,7 +185,7 @@ fn a_rim_around_a_keep_out_zone_passes_and_one_through_it_does_not() {
     }
     assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 101.0), 1.0).0, Rule::KeepIn);
     assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 0.0), 1.0).0, Rule::KeepOut);
-    // Around the whole fence: it touches no edge, and is outside all the same.
+    // Around the whole fence: it touches no edge and is still outside.
     assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 500.0), 1.0).0, Rule::KeepIn);
 }
 
@@ -217,7 +217,7 @@ fn zones_are_not_joined() {
 }
 
 #[test]
-fn of_several_zones_that_hold_the_roomier_one_is_told() {
+fn the_clearance_is_that_of_the_zone_with_the_most_room() {
     let fence = fence(vec![
         zone("small", KEEP_IN, 0.0, &[rectangle(-10.0, -10.0, 10.0, 10.0)]),
         zone("large", KEEP_IN, 5.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
@@ -228,7 +228,7 @@ fn of_several_zones_that_hold_the_roomier_one_is_told() {
 }
 
 #[test]
-fn depth_and_altitude_are_those_of_the_zone_that_holds() {
+fn depth_and_altitude_limits_are_those_of_the_zone_that_contains_the_sweep() {
     let deep = Kind::KeepIn {
         depth: Band {
             min_m: 30.0,
@@ -255,7 +255,7 @@ fn depth_and_altitude_are_those_of_the_zone_that_holds() {
     };
     assert_eq!(verdict(0.0, 50.0, 3.0), Ok(99.0));
     assert_eq!(verdict(30.0, 90.0, 10.0), Ok(49.0));
-    // Neither zone takes 20 to 70 m: the shallow one lacks 20, the deep one 10.
+    // Neither zone allows 20 to 70 m: the shallow one lacks 20 m, the deep one 10 m.
     assert_eq!(verdict(20.0, 70.0, 20.0), Err((Rule::DepthMin, 10.0)));
     assert_eq!(verdict(10.0, 51.0, 20.0), Err((Rule::DepthMax, 1.0)));
     assert_eq!(verdict(-1.0, 5.0, 20.0), Err((Rule::DepthMin, 1.0)));
@@ -263,7 +263,7 @@ fn depth_and_altitude_are_those_of_the_zone_that_holds() {
 }
 
 #[test]
-fn a_keep_out_zone_counts_at_its_depths_only_and_its_ends_belong_to_it() {
+fn a_keep_out_zone_counts_only_at_its_depths_including_both_ends() {
     let band = Kind::KeepOut {
         depth: Some(Band {
             min_m: 20.0,
@@ -288,7 +288,7 @@ fn a_keep_out_zone_counts_at_its_depths_only_and_its_ends_belong_to_it() {
     for (min, max) in [(0.0, 20.0), (30.0, 40.0), (0.0, 50.0), (22.0, 23.0)] {
         assert!(!holds(min, max), "{min} {max}");
     }
-    // A bare position knows no depth.
+    // A bare position has no depth.
     assert_eq!(fence.contains(at(0.0, 0.0)).unwrap_err().rule, Rule::KeepOut);
     assert_eq!(fence.contains(at(50.0, 0.0)).unwrap().metres, 40.0 - 1e-6);
 }
@@ -302,7 +302,7 @@ fn containment_ignores_margins() {
 }
 
 #[test]
-fn what_is_no_number_never_passes() {
+fn unusable_numbers_never_pass() {
     let fence = box_fence(10.0);
     let good = at(0.0, 0.0);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e10, f64::MAX] {
@@ -354,7 +354,10 @@ fn what_is_no_number_never_passes() {
     let breach = fence
         .check(&Sweep::new(Shape::point(good), 1.0), &vertical)
         .unwrap_err();
-    assert_eq!(breach.to_string(), "not a usable number: depth_max_m under depth_min_m");
+    assert_eq!(
+        breach.to_string(),
+        "not a usable number: depth_max_m less than depth_min_m"
+    );
 }
 
 #[test]
@@ -386,7 +389,7 @@ fn polygons_of_a_millimetre_are_judged_like_large_ones() {
 
 #[test]
 fn edges_on_one_line_do_not_confuse_the_side() {
-    // A rectangle with needless vertices on its sides.
+    // A rectangle with unnecessary vertices on its sides.
     let mut ring = Vec::new();
     ring.extend((0..10).map(|step| (f64::from(step) * 10.0, 0.0)));
     ring.extend([(100.0, 0.0), (100.0, 50.0), (50.0, 50.0), (0.0, 50.0)]);
@@ -405,8 +408,8 @@ fn edges_on_one_line_do_not_confuse_the_side() {
 }
 
 #[test]
-fn points_beyond_a_sharp_corner_are_told_from_those_within() {
-    // Points around the tip of a needle, whose nearest place is the tip: they lie left of one of its edges.
+fn points_beyond_a_sharp_corner_are_distinguished_from_those_inside() {
+    // Points around the tip of a needle: their nearest place is the tip, and they lie on the left of one of its edges.
     for angle in [3e-4, 1e-3, 0.1, 1.0] {
         let needle = vec![(0.0, 0.0), (1000.0, -1000.0 * angle), (1000.0, 1000.0 * angle)];
         let keep_in = fence(vec![zone("needle", KEEP_IN, 0.0, std::slice::from_ref(&needle))]);
@@ -426,7 +429,7 @@ fn points_beyond_a_sharp_corner_are_told_from_those_within() {
 }
 
 #[test]
-fn a_breach_prints_alone() {
+fn a_breach_prints_by_itself() {
     let text = |fence: &Fence, shape| check(fence, shape, 2.0).unwrap_err().to_string();
     let plain = box_fence(10.0);
     assert_eq!(

@@ -1,5 +1,5 @@
-//! Random fences and sweeps against judges that share nothing with the engine's search: the `geo` crate, parry's own queries,
-//! and a plain scan that measures by searching along the shapes.
+//! Compares the verdicts on random fences and sweeps with those of judges that share no code with the fence's search:
+//! the `geo` crate, parry's own queries, and a plain scan that measures by searching along the shapes.
 
 use geo::{
     Area, Contains, ConvexHull, Distance, Euclidean, Geometry, LineString, MultiPoint, Point, Polygon as GeoPolygon,
@@ -12,15 +12,15 @@ use proptest::prelude::*;
 use super::*;
 use crate::map::CLEARANCE_MAX_M;
 
-/// Within this of the threshold either verdict is right: the judges' own rounding.
+/// Within this distance of the threshold both verdicts are right, because the judges round, metres.
 const TIE_M: f64 = 1e-7;
 
-/// A star around a middle: every ray from there meets the ring once, so that it never crosses itself.
+/// A star around a middle: every ray from there meets the ring once, so the ring never crosses itself.
 fn star(middle: (f64, f64), radii: &[(f64, f64)], scale: f64) -> Points {
     let count = radii.len() as f64;
     let point = |(index, (radius, jitter)): (usize, &(f64, f64))| {
         let bearing = (index as f64 + 0.8 * jitter) / count * 360.0;
-        // Bearings run clockwise: backwards, for a counterclockwise ring.
+        // Bearings run clockwise, so this goes backwards to make a counterclockwise ring.
         let end = at(middle.0, middle.1).offset(-bearing, radius * scale);
         (end.east_m, end.north_m)
     };
@@ -31,7 +31,7 @@ fn radii() -> impl Strategy<Value = Vec<(f64, f64)>> {
     prop::collection::vec((50.0..1000.0f64, 0.0..1.0f64), 4..40)
 }
 
-/// One zone as it is to be judged: rings, margin.
+/// A zone to judge: rings and margin.
 #[derive(Clone, Debug)]
 struct Plan {
     rings: Vec<Points>,
@@ -43,7 +43,7 @@ fn plan(middle: f64, size: f64) -> impl Strategy<Value = Plan> {
     let margin = prop_oneof![Just(0.0), 0.0..40.0f64];
     (middle, radii(), prop::option::of(0.05..0.9f64), margin).prop_map(move |(middle, radii, hole, margin_m)| {
         let mut rings = vec![star(middle, &radii, size)];
-        // The same star, smaller, is wholly within.
+        // The same star, made smaller, is wholly inside.
         rings.extend(hole.map(|scale| reversed(star(middle, &radii, size * scale))));
         Plan { rings, margin_m }
     })
@@ -106,7 +106,7 @@ fn geo_polygon(rings: &[Points]) -> GeoPolygon {
     GeoPolygon::new(outer, rings.collect())
 }
 
-/// The convex hull by `geo`: solid, however flat.
+/// The convex hull by `geo`, which is solid even if it is flat.
 fn geo_convex_hull(points: &[EastNorth]) -> Geometry {
     let points: Vec<_> = points
         .iter()
@@ -119,7 +119,7 @@ fn geo_convex_hull(points: &[EastNorth]) -> Geometry {
     }
 }
 
-/// Distance to the rings, and whether the shape is inside where it does not touch them.
+/// The distance to the rings, and whether the shape is inside if it does not touch them.
 struct Measured {
     distance_m: f64,
     inside: bool,
@@ -137,7 +137,7 @@ fn by_geo(plan: &Plan, shape: &Geometry, witness: EastNorth) -> Measured {
     }
 }
 
-/// The distance by parry's own search and dispatch, and the side by geo.
+/// The distance by parry's own search and dispatch, and the side by `geo`.
 fn by_parry(plan: &Plan, shape: &dyn Shape2, witness: EastNorth) -> Measured {
     let here = Pose::IDENTITY;
     let rings = plan.rings.iter().map(|ring| {
@@ -153,7 +153,7 @@ fn by_parry(plan: &Plan, shape: &dyn Shape2, witness: EastNorth) -> Measured {
     }
 }
 
-/// Clearance, negative where it does not hold, from the measures of every zone.
+/// The clearance from the measures of every zone, negative if the fence is breached.
 fn verdict(case: &Case, radius_m: f64, measure: impl Fn(&Plan) -> Measured) -> f64 {
     let reach_m = |plan: &Plan| (plan.margin_m + radius_m).max(1e-6);
     let keep_in = case.keep_ins.iter().map(|plan| {
@@ -194,7 +194,7 @@ fn agree(answer: &Result<Clearance, Breach>, expected_m: f64) -> Result<(), Test
     Ok(())
 }
 
-/// The least distance of a convex shape's points `along(t)` to a segment, by ternary search over t in 0 to 1: the
+/// The least distance of the points `along(t)` of a straight line to a segment, by ternary search over t in 0 to 1: the
 /// distance to a segment is convex along a straight line.
 fn searched_m(from: EastNorth, to: EastNorth, a: EastNorth, b: EastNorth) -> f64 {
     let to_edge = |p: EastNorth| {
@@ -221,7 +221,7 @@ fn searched_m(from: EastNorth, to: EastNorth, a: EastNorth, b: EastNorth) -> f64
     to_edge(from + (to - from) * low)
 }
 
-/// Winding number by summed angles: no ray, no crossing, no cross product's sign.
+/// The winding number by summed angles, without rays, crossings or signs of cross products.
 fn winds(rings: &[Points], p: EastNorth) -> bool {
     let mut turned_deg = 0.0;
     for ring in rings {
@@ -234,7 +234,7 @@ fn winds(rings: &[Points], p: EastNorth) -> bool {
     turned_deg > 180.0
 }
 
-/// Nearest and farthest distance between a point and a ring's edges.
+/// The nearest and the farthest distance between a point and each edge of some rings.
 fn reach_of_edges(rings: &[Points], p: EastNorth) -> Vec<(f64, f64)> {
     let edges = rings
         .iter()
@@ -250,7 +250,7 @@ fn reach_of_edges(rings: &[Points], p: EastNorth) -> Vec<(f64, f64)> {
 }
 
 proptest! {
-    // Twelve sweeps to a fence.
+    // Twelve sweeps per fence.
     #![proptest_config(ProptestConfig::with_cases(1_500))]
 
     #[test]
@@ -261,7 +261,7 @@ proptest! {
         let fence = case.fence();
         for (corners, small, radius_m) in sweeps {
             let mut points: Vec<_> = corners.iter().map(|corner| near(&case, *corner)).collect();
-            // Anywhere, or all within a little of the first.
+            // Anywhere, or all close to the first.
             if let Some(size) = small {
                 let first = points[0];
                 for point in &mut points[1..] {
@@ -295,7 +295,7 @@ proptest! {
         for (corners, radius_m) in sweeps {
             let points: Vec<_> = corners.iter().map(|corner| near(&case, *corner)).collect();
             let places: Vec<_> = points.iter().map(|point| Vector::new(point.east_m, point.north_m)).collect();
-            // Flat ones have no convex hull of parry's.
+            // parry makes no convex hull of flat ones.
             let solid = || ConvexPolygon::from_convex_hull(&places).map(|convex| Box::new(convex) as Box<dyn Shape2>);
             let (shape, theirs) = match points[..] {
                 [a, b] => (Shape::leg(a, b), Some(Box::new(Segment::new(places[0], places[1])) as _)),
@@ -345,7 +345,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
     #[test]
-    fn legs_are_judged_as_a_search_along_them_judges(case in case(), ends in (whereabouts(), whereabouts()), radius_m in radius()) {
+    fn legs_are_judged_like_a_search_along_them(case in case(), ends in (whereabouts(), whereabouts()), radius_m in radius()) {
         let fence = case.fence();
         let (from, to) = (near(&case, ends.0), near(&case, ends.1));
         let expected_m = verdict(&case, radius_m, |plan| {
@@ -355,7 +355,7 @@ proptest! {
                 .fold(f64::INFINITY, f64::min);
             Measured { distance_m, inside: winds(&plan.rings, from) }
         });
-        // The search stops some rounding errors short: ternary search cannot see below the square root of precision.
+        // The search is less exact: ternary search cannot resolve less than the square root of the precision.
         match check(&fence, leg((from.east_m, from.north_m), (to.east_m, to.north_m)), radius_m) {
             Ok(clearance) => prop_assert!((clearance.metres - expected_m).abs() < 1e-4, "{clearance:?} {expected_m}"),
             Err(breach) => prop_assert!(expected_m < 1e-4, "{breach:?} {expected_m}"),
@@ -363,7 +363,7 @@ proptest! {
     }
 
     #[test]
-    fn what_a_leg_sweeps_holds_point_by_point(case in case(), ends in (whereabouts(), whereabouts()), radius_m in radius()) {
+    fn every_point_of_a_leg_that_passes_passes(case in case(), ends in (whereabouts(), whereabouts()), radius_m in radius()) {
         let fence = case.fence();
         let (from, to) = (near(&case, ends.0), near(&case, ends.1));
         let points = (0..=50).map(|step| from + (to - from) * (f64::from(step) / 50.0));
@@ -377,10 +377,10 @@ proptest! {
 }
 
 #[test]
-fn a_fence_of_ten_thousand_vertices_is_judged_as_a_scan_judges_it() {
+fn a_fence_of_ten_thousand_vertices_is_judged_like_a_scan() {
     let radii: Vec<_> = (0..10_000_u32)
         .map(|index| {
-            // A coast: waves of some lengths, and a fixed scatter.
+            // A coast: waves of several lengths, and a fixed scatter.
             let wave = |period: f64| backseat_units::math::sin(f64::from(index) / period);
             let scatter = f64::from(index.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24);
             (3000.0 + 700.0 * wave(900.0) + 100.0 * wave(31.0) + 2.0 * scatter, 0.5)
@@ -415,10 +415,13 @@ fn a_fence_of_ten_thousand_vertices_is_judged_as_a_scan_judges_it() {
         held += usize::from(answer.is_ok());
         agree(&answer, expected_m).unwrap();
     }
-    assert!((50..190).contains(&held), "{held} of 200 held: the legs prove little");
+    assert!(
+        (50..190).contains(&held),
+        "{held} of 200 legs pass: the test proves little"
+    );
 }
 
-/// A square with a small star in each cell of a grid, in an order that is not that of the plane.
+/// A square with a small star in each cell of a grid, in an order that differs from that on the plane.
 fn sieve() -> impl Strategy<Value = Case> {
     let hole = prop::collection::vec((0.2..1.0f64, 0.0..1.0f64), 3..9);
     (prop::collection::vec(hole, 64), 0.0..3.0f64).prop_map(|(holes, margin_m)| {
@@ -446,7 +449,7 @@ proptest! {
         let fence = case.fence();
         for (corners, size, radius_m) in sweeps {
             let first = at(corners[0].0, corners[0].1);
-            // From the whole square down to within a cell, where some are held.
+            // Sizes from the whole square down to less than a cell, where some sweeps keep the fence.
             let shrunk = |corner: &(f64, f64)| first + (at(corner.0, corner.1) - first) * (size * size);
             let points: Vec<_> = corners.iter().map(shrunk).collect();
             let shape = match points[..] {
@@ -464,7 +467,7 @@ proptest! {
 
 proptest! {
     #[test]
-    fn the_solids_of_a_convex_hull_are_all_of_it(
+    fn the_solids_of_a_convex_hull_cover_all_of_it(
         points in prop::collection::vec((-500.0..500.0f64, -500.0..500.0f64), 0..=12),
         flat in any::<bool>(),
     ) {

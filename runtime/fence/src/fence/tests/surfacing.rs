@@ -1,4 +1,4 @@
-//! Where the vehicle may come to the surface.
+//! Tests where the vehicle may surface.
 
 use super::{Fence, KEEP_OUT, at, fence, rectangle, zone};
 use crate::sweep::{Shape, Sweep, VerticalExtent};
@@ -16,7 +16,7 @@ const fn keep_in(surfacing: bool) -> Kind {
     }
 }
 
-/// A large zone in which nothing surfaces, and a small one in its east where it may.
+/// A large zone in which surfacing is not allowed, and a small one in its east in which it is.
 fn waters() -> Fence {
     fence(vec![
         zone(
@@ -44,7 +44,7 @@ fn surfacing(fence: &Fence, (east_m, north_m): (f64, f64), deepest_m: f64) -> Re
 }
 
 #[test]
-fn it_surfaces_only_in_a_zone_that_allows_it_whose_shallowest_depth_does_not_count() {
+fn surfacing_needs_a_zone_that_allows_it_and_ignores_its_shallowest_depth() {
     let fence = waters();
     assert_eq!(surfacing(&fence, (700.0, 0.0), 20.0).unwrap().metres, 140.0);
     let breach = surfacing(&fence, (0.0, 0.0), 20.0).unwrap_err();
@@ -56,7 +56,7 @@ fn it_surfaces_only_in_a_zone_that_allows_it_whose_shallowest_depth_does_not_cou
         ),
         "{breach}"
     );
-    // The rest of what the zone limits does count.
+    // The zone's other limits do count.
     assert_eq!(surfacing(&fence, (700.0, 0.0), 51.0).unwrap_err().rule, Rule::DepthMax);
     // An ordinary question still has its shallowest depth.
     let shallow = VerticalExtent {
@@ -69,7 +69,7 @@ fn it_surfaces_only_in_a_zone_that_allows_it_whose_shallowest_depth_does_not_cou
 }
 
 #[test]
-fn a_keep_out_zone_counts_at_every_depth_that_is_passed_on_the_way_up() {
+fn a_keep_out_zone_counts_at_every_depth_on_the_way_up() {
     let buoy = Kind::KeepOut {
         depth: Some(Band {
             min_m: f64::NEG_INFINITY,
@@ -97,15 +97,18 @@ fn a_keep_out_zone_counts_at_every_depth_that_is_passed_on_the_way_up() {
             max_m: 60.0,
         }),
     };
-    assert!(surfacing(&waters(wreck), (0.0, 0.0), 20.0).is_ok(), "it lies deeper");
+    assert!(
+        surfacing(&waters(wreck), (0.0, 0.0), 20.0).is_ok(),
+        "the wreck lies deeper"
+    );
     assert!(
         surfacing(&waters(buoy), (0.0, 0.0), -0.5).is_err(),
-        "at the surface, with an error of the depth"
+        "at the surface, with an error in depth"
     );
 }
 
 #[test]
-fn a_fence_without_surfacing_says_so_and_what_is_no_number_never_passes() {
+fn a_fence_without_surfacing_says_so_and_unusable_numbers_never_pass() {
     let fence = fence(vec![zone(
         "lane",
         keep_in(false),

@@ -40,7 +40,7 @@ fn judged(fence: &Fence, from: u64, until: u64) -> Result<Clearance, Breach> {
 }
 
 #[test]
-fn a_keep_in_zone_holds_only_what_its_window_covers() {
+fn a_keep_in_zone_must_be_valid_for_the_whole_time() {
     let fence = fence(vec![windowed(keep_in(), Some(1000), Some(2000))]);
     for (from, until, holds) in [
         (1000, 2000, true),
@@ -58,7 +58,7 @@ fn a_keep_in_zone_holds_only_what_its_window_covers() {
             assert!(breach.metres.is_infinite());
         }
     }
-    // A nanosecond late is late.
+    // A span that ends a nanosecond too late is refused.
     let late = Span {
         from: utc(1500),
         until: utc(2000) + Duration::from_nanos(1),
@@ -71,7 +71,7 @@ fn a_keep_in_zone_holds_only_what_its_window_covers() {
 }
 
 #[test]
-fn a_keep_out_zone_counts_where_its_window_and_the_time_share_an_instant() {
+fn a_keep_out_zone_counts_if_its_window_and_the_time_share_an_instant() {
     let fence = fence(vec![keep_in(), windowed(keep_out(), Some(1000), Some(2000))]);
     for (from, until, holds) in [
         (0, 999, true),
@@ -101,7 +101,7 @@ fn a_side_without_a_time_is_open() {
 }
 
 #[test]
-fn an_unknown_time_is_the_worst_one() {
+fn an_unknown_time_counts_as_the_worst_one() {
     let windowed_keep_out = fence(vec![keep_in(), windowed(keep_out(), Some(1000), Some(2000))]);
     assert_eq!(
         refused(&windowed_keep_out, leg((30.0, 50.0), (70.0, 50.0)), 1.0).0,
@@ -121,18 +121,18 @@ fn an_unknown_time_is_the_worst_one() {
 }
 
 #[test]
-fn a_closed_zone_is_told_where_it_alone_is_in_the_way() {
+fn a_closed_zone_is_named_if_only_its_window_is_breached() {
     let zones = || {
         let far = zone("far", KEEP_IN, 0.0, &[rectangle(5000.0, 0.0, 5100.0, 100.0)]);
         fence(vec![windowed(keep_in(), Some(1_777_622_400), None), far])
     };
-    // Inside the closed one: its window, not the distance to the open one, is what stands against it.
+    // Inside the closed zone, its window is the breach, and not the distance to the open one.
     let breach = judged(&zones(), 1_777_622_399, 1_777_622_460).unwrap_err();
     assert_eq!(
         breach.to_string(),
-        "keep-in zone 'range' is valid from 2026-05-01T08:00:00Z only, asked for 2026-05-01T07:59:59Z to 2026-05-01T08:01:00Z"
+        "keep-in zone 'range' is valid only from 2026-05-01T08:00:00Z, and the request is for 2026-05-01T07:59:59Z to 2026-05-01T08:01:00Z"
     );
-    // Inside neither: the open one is named, as its distance can be mended.
+    // Inside neither, the open zone is named, because a request can be moved towards it.
     let outside = Sweep::new(Shape::point(at(4000.0, 50.0)), 1.0);
     let breach = zones().during(span(0, 1)).check(&outside, &VERTICAL).unwrap_err();
     assert_eq!(
@@ -142,7 +142,7 @@ fn a_closed_zone_is_told_where_it_alone_is_in_the_way() {
 }
 
 #[test]
-fn surfacing_keeps_to_the_windows_too() {
+fn surfacing_respects_the_windows_too() {
     let kind = Kind::KeepIn {
         depth: Band {
             min_m: 2.0,

@@ -8,13 +8,13 @@ use crate::event::ClientId;
 use crate::faults::{AckFilter, Directions, Fault, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Untrue, Whom};
 use crate::file::SHUTDOWN_NOTICE;
 
-/// No time in a plan is longer, seconds: ten years.
+/// The longest time in a plan, seconds: ten years.
 const LONGEST_S: f64 = 315_360_000.0;
-/// Least time in which writes are gathered, seconds.
+/// The least time for which writes are collected, seconds.
 const HOLD_MIN_S: f64 = 0.001;
 const SECONDS: &str = "0 to 315360000 s";
 
-/// The keys that several kinds have.
+/// The keys that several kinds share.
 mod keys {
     pub(super) const FOR: &str = "for_s";
     pub(super) const LINK: [&str; 3] = ["client", "role", "direction"];
@@ -22,7 +22,7 @@ mod keys {
     pub(super) const ACKS: [&str; 2] = ["command", "stage"];
 }
 
-/// An entry as the typed fault that it means.
+/// Converts an entry into the typed fault.
 impl FaultEntry {
     pub(super) fn fault(&self) -> Result<Fault, String> {
         let at = Timestamp::ZERO + seconds("at_s", self.at_s, 0.0, LONGEST_S, SECONDS)?;
@@ -114,7 +114,9 @@ impl FaultEntry {
                 self.only(&[&["dive_file", "reversed"]])?;
                 let file = self.dive_file.as_deref().unwrap_or_default();
                 if file.trim().is_empty() || Text::cleaned(file).as_str() != file {
-                    return Err(format!("dive_file is {file:?}, expected a name without commas"));
+                    return Err(format!(
+                        "dive_file is {file:?}, expected a name in printable ascii without comma, asterisk and dollar"
+                    ));
                 }
                 FaultKind::AnotherDive {
                     file: Text::cleaned(file),
@@ -146,13 +148,13 @@ impl FaultEntry {
         })
     }
 
-    /// What is wrong with the words of navigation, where the kind is one of those.
+    /// How navigation messages are wrong, if the kind is one of those.
     fn untrue(&self) -> Result<Untrue, String> {
         let number =
             |key, value: Option<f64>, most: f64, expected| ranged(key, self.needed(key, value)?, -most, most, expected);
         #[expect(
             clippy::wildcard_enum_match_arm,
-            reason = "the caller asks for kinds of untrue words alone"
+            reason = "callers use it only for wrong navigation messages"
         )]
         let (own, untrue): (&[&str], _) = match self.kind {
             FaultName::PositionCreep => {
@@ -245,7 +247,7 @@ impl FaultEntry {
         value.ok_or_else(|| format!("{} needs `{key}`", self.name()))
     }
 
-    /// Refuses the keys that are there and have no meaning for this kind.
+    /// Refuses keys that are set but have no meaning for this kind.
     fn only(&self, allowed: &[&[&str]]) -> Result<(), String> {
         let there = [
             ("for_s", self.for_s.is_some()),

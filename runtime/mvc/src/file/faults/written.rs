@@ -1,7 +1,7 @@
 use super::{FaultEntry, FaultName};
 use crate::faults::{AckFilter, Fault, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Untrue, Whom};
 
-/// A typed fault as it is written, with every key that its kind has.
+/// Converts a typed fault into an entry, with every key that its kind has.
 impl FaultEntry {
     fn bare(kind: FaultName, fault: &Fault) -> Self {
         let at_s = fault.at.as_secs_f64();

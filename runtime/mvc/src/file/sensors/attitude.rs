@@ -3,31 +3,32 @@ use serde::Deserialize;
 use super::within;
 use crate::error::{MvcError, check};
 
-/// The most compasses that a vehicle has.
+/// The greatest number of compasses of a vehicle.
 pub(crate) const COMPASSES_MAX: usize = 4;
 
-/// The `[sensors.compass]` section: magnetic compasses, which BFRCM gives raw.
+/// The `[sensors.compass]` section: magnetic compasses, whose raw readings BFRCM reports.
 ///
-/// The deviation is Archibald Smith's: A + B sin h + C cos h + D sin 2h + E cos 2h of the magnetic heading h (Bowditch,
-/// *The American Practical Navigator*, chapter on compass error). The seed draws the five for each compass.
+/// The deviation is Archibald Smith's formula: A + B sin h + C cos h + D sin 2h + E cos 2h, where h is the magnetic
+/// heading (Bowditch, *The American Practical Navigator*, chapter on compass error). The seed draws the five
+/// coefficients for each compass.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CompassConfig {
     /// How many there are, 0 to 4.
     pub count: u32,
-    /// Magnetic declination, degrees, positive east, within 180. The default is that of Massachusetts Bay in 2026
-    /// (World Magnetic Model 2025): give your own.
+    /// Magnetic declination, degrees, positive to the east, within 180. The default is that of Massachusetts Bay in
+    /// 2026 (World Magnetic Model 2025): set your own.
     pub declination_deg: f64,
-    /// Standard deviation of A, how the compass is mounted, degrees, 0 to 90.
+    /// Standard deviation of A, which comes from how the compass is mounted, degrees, 0 to 90.
     pub bias_deg: f64,
-    /// Standard deviation of B and of C, the vehicle's permanent magnetism, degrees, 0 to 90.
+    /// Standard deviation of B and of C, which come from the vehicle's permanent magnetism, degrees, 0 to 90.
     pub deviation_deg: f64,
-    /// Standard deviation of D and of E, the vehicle's soft iron, degrees, 0 to 90.
+    /// Standard deviation of D and of E, which come from the vehicle's soft iron, degrees, 0 to 90.
     pub soft_iron_deg: f64,
-    /// Noise of heading, pitch and roll, degrees, 0 to 90. The default is an electronic compass's (PNI TCM, data
+    /// Noise of heading, pitch and roll, degrees, 0 to 90. The default is that of an electronic compass (PNI TCM, data
     /// sheet).
     pub noise_deg: f64,
-    /// Seconds between BFRCM, 0.01 to 3600.
+    /// The time from one BFRCM to the next, seconds, 0.01 to 3600.
     pub period_s: f64,
 }
 
@@ -69,22 +70,20 @@ impl CompassConfig {
     }
 }
 
-/// The `[sensors.imu]` section: gyroscopes and accelerometers as BFIMU gives them raw.
+/// The `[sensors.imu]` section: gyroscopes and accelerometers, whose raw readings BFIMU reports.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ImuConfig {
-    /// Noise of a rate, degrees a second, 0 to 100. The default is the angle random walk of a tactical-grade unit,
-    /// 0.1 degrees by the square root of an hour, in readings of 10 a second (Honeywell HG1700, data sheet).
+    /// Noise of a rotation rate, degrees a second, 0 to 100. The default is the angle random walk of a tactical-grade
+    /// unit, 0.1 degrees per square root of an hour, at 10 readings a second (Honeywell HG1700, data sheet).
     pub rate_noise_dps: f64,
-    /// Standard deviation of the constant error of each rate, which the seed draws, degrees an hour, 0 to 100000 (same:
-    /// 1).
+    /// Bias of each rotation rate, degrees an hour, 0 to 100000. The default, 1, is from the same data sheet.
     pub rate_bias_dph: f64,
     /// Noise of an acceleration, metres a second squared, 0 to 100.
     pub acceleration_noise_mps2: f64,
-    /// Standard deviation of the constant error of each acceleration, which the seed draws, metres a second squared, 0
-    /// to 100. The default is 1 milli-g (same data sheet).
+    /// Bias of each acceleration, metres a second squared, 0 to 100. The default is 1 milli-g (same data sheet).
     pub acceleration_bias_mps2: f64,
-    /// Seconds between BFIMU, 0.01 to 3600.
+    /// The time from one BFIMU to the next, seconds, 0.01 to 3600.
     pub period_s: f64,
 }
 

@@ -3,36 +3,36 @@ use serde::Deserialize;
 use super::within;
 use crate::error::MvcError;
 
-/// The `[sensors.dvl]` section: the Doppler log. Its reach and its losses of bottom lock are the `altitude_` keys of
-/// `[sensors]`, for the altitude is made from its ranges.
+/// The `[sensors.dvl]` section: the Doppler log. How far it reaches and how often it loses the bottom are the
+/// `altitude_` keys of `[sensors]`, because the altitude is computed from its ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DvlConfig {
-    /// Standard deviation of the constant scale error of its velocity, which the seed draws, as a share, 0 to 0.2.
-    /// The default is a quarter of the 0.2 % of an uncalibrated log: alignment runs take the rest out (Teledyne RDI
-    /// Workhorse Navigator 600, data sheet; Kinsey and Whitcomb, "In Situ Alignment Calibration of Attitude and Doppler
-    /// Sensors", 2007).
+    /// Bias of the scale of its velocity, as a share, 0 to 0.2. The default is a quarter of the 0.2 % of an
+    /// uncalibrated log: alignment runs remove the rest (Teledyne RDI Workhorse Navigator 600, data sheet; Kinsey and
+    /// Whitcomb, "In Situ Alignment Calibration of Attitude and Doppler Sensors", 2007).
     pub scale_error: f64,
-    /// Standard deviation of its constant angle to the inertial system, which the seed draws, degrees, 0 to 30.
+    /// Bias of its angle to the inertial system, degrees, 0 to 30.
     pub misalignment_deg: f64,
-    /// Noise of a velocity, metres a second along each axis, 0 to 1 (Workhorse Navigator 600: 0.003 at 1 m/s).
+    /// Noise of a velocity along each axis, metres a second, 0 to 1 (Workhorse Navigator 600: 0.003 at 1 m/s).
     pub velocity_noise_mps: f64,
-    /// Noise of a beam's range, metres, 0 to 100.
+    /// Noise of the range of one beam, metres, 0 to 100.
     pub range_noise_m: f64,
     /// Angle of the beams from the log's axis, degrees, 5 to 60.
     pub beam_angle_deg: f64,
-    /// How likely one beam of a reading is to be lost, 0 to 1.
+    /// How likely one beam of a reading is lost, 0 to 1.
     pub beam_loss: f64,
-    /// Rolled or pitched further than this it has no bottom lock, degrees, 1 to 90.
+    /// The greatest roll or pitch with bottom lock, degrees, 1 to 90.
     pub tilt_max_deg: f64,
-    /// Without bottom lock BFDVL and BFDV2 give the velocity through the water; else none. SPI 6.13 does not say.
+    /// Whether BFDVL and BFDV2 give the velocity through the water without bottom lock; otherwise they give none. SPI
+    /// 6.13 does not say.
     pub water_velocity: bool,
-    /// Its velocity is right whatever the speed of sound, as a phased array's; else it errs as the vehicle's value
-    /// for the speed of sound does.
+    /// Whether its velocity is right at any speed of sound, as with a phased array. Otherwise it is wrong by the same
+    /// share as the vehicle's value for the speed of sound.
     pub phased_array: bool,
-    /// Noise of the temperature, degrees Celsius, 0 to 10.
+    /// Noise of the water temperature that it measures, degrees Celsius, 0 to 10.
     pub temperature_noise_c: f64,
-    /// Seconds between BFDVL, 0.01 to 3600.
+    /// The time from one BFDVL to the next, seconds, 0.01 to 3600.
     pub period_s: f64,
 }
 

@@ -2,28 +2,29 @@ use serde::Deserialize;
 
 use crate::error::{MvcError, check};
 
-/// The `[sensors.ins]` section: what the inertial system makes of heading and of a bottom that is out of reach.
+/// The `[sensors.ins]` section: the inertial navigation system, with its heading and its velocity without bottom lock.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InsConfig {
-    /// Standard deviation of the heading's constant error, which the seed draws, degrees, 0 to 30. The default is a
-    /// fibre-optic gyrocompass's 0.02 degrees times the secant of a middle latitude (iXblue Phins, data sheet).
+    /// Bias of the heading, degrees, 0 to 30. The default is the 0.02 degrees of a fibre-optic gyrocompass times the
+    /// secant of a middle latitude (iXblue Phins, data sheet).
     pub heading_bias_deg: f64,
-    /// Random walk of the velocity without bottom lock, metres a second by the square root of a second each way, 0 to
-    /// 1. The default grows to 0.02 m/s in a minute, as accelerometers of 50 micro-g let it (same data sheet).
+    /// How fast the velocity becomes wrong without bottom lock: the standard deviation of a random walk after a second,
+    /// in each direction, metres a second, 0 to 1. The default grows to 0.02 m/s in a minute, as accelerometers of 50
+    /// micro-g give (same data sheet).
     pub velocity_walk_mps_per_sqrt_s: f64,
-    /// What navigation goes by without bottom lock.
+    /// What navigation relies on without bottom lock.
     pub without_lock: WithoutLock,
 }
 
-/// What navigation goes by without bottom lock.
+/// What navigation relies on without bottom lock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum WithoutLock {
-    /// The accelerometers: the velocity of the last lock, with an error that walks.
+    /// The accelerometers: the last velocity over ground, with an error that grows as a random walk.
     #[default]
     Inertial,
-    /// The velocity through the water and the current of the last lock, with an error that walks.
+    /// The velocity through the water and the last known current, with an error that grows as a random walk.
     Water,
 }
 
@@ -56,21 +57,23 @@ impl InsConfig {
     }
 }
 
-/// The `[sensors.gps]` section.
+/// The `[sensors.gps]` section: the GPS receiver, which corrects the position at the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct GpsConfig {
-    /// Above this depth the antenna is out of the water, metres, 0.01 to 5.
+    /// The depth above which the antenna is out of the water, metres, 0.01 to 5.
     pub antenna_depth_m: f64,
-    /// From the antenna's coming up to the first fix, seconds, 0 to 3600. The default is a warm receiver's with what
-    /// the filter waits for; a hot start takes 1 s, a cold one 26 s (u-blox M8, data sheet).
+    /// The time from when the antenna is out of the water to the first fix, seconds, 0 to 3600. The default is that of
+    /// a warm receiver, including the time that the filter waits; a hot start takes 1 s, a cold one 26 s (u-blox M8,
+    /// data sheet).
     pub acquisition_s: f64,
-    /// Standard deviation of a fix, metres each way, 0 to 100. The default is that of a receiver with satellite-based
-    /// augmentation: 95 % within 1.8 m (FAA, *WAAS Performance Analysis Report*).
+    /// The error of a fix: a standard deviation in each direction, metres, 0 to 100. The default is that of a receiver
+    /// with satellite-based augmentation: 95 % within 1.8 m (FAA, *WAAS Performance Analysis Report*).
     pub error_m: f64,
-    /// Time over which the error of the fixes changes, seconds, 0 to 3600: 0 draws every fix anew.
+    /// How long the error of a fix lasts until the next ones have another, seconds, 0 to 3600. With 0, every fix has an
+    /// error of its own.
     pub correlation_s: f64,
-    /// Seconds between fixes, 0.1 to 60.
+    /// The time from one fix to the next, seconds, 0.1 to 60.
     pub period_s: f64,
 }
 
@@ -102,16 +105,16 @@ impl GpsConfig {
     }
 }
 
-/// The `[sensors.fixes]` section: how the vehicle takes a payload's fixes (SPI 7.21).
+/// The `[sensors.fixes]` section: how the vehicle treats position fixes that a payload sends (BPNPU, SPI 7.21).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FixConfig {
-    /// A fix that is off by more than this many standard deviations, of the solution's and the fix's errors together,
-    /// is refused unless it is forced; 1 to 1000.
+    /// A fix that is off by more standard deviations than this, of the solution and the fix together, is refused unless
+    /// it is forced; 1 to 1000.
     pub outlier_sigma: f64,
-    /// A fix that is older is refused, seconds, 0 to 120.
+    /// The greatest age of a fix, seconds, 0 to 120. An older fix is refused.
     pub age_max_s: f64,
-    /// What a second of age adds to the fix's standard deviation, metres, 0 to 10.
+    /// How much each second of its age adds to the standard deviation of a fix, metres, 0 to 10.
     pub age_error_mps: f64,
 }
 

@@ -3,21 +3,23 @@ use serde::Deserialize;
 use super::within;
 use crate::error::MvcError;
 
-/// The `[sensors.tailcone]` section: thruster and angles as BFRVL and BFERC give them. A hovering vehicle has none.
+/// The `[sensors.tailcone]` section: thruster, rudder and elevator, as BFRVL and BFERC report them. A hovering vehicle
+/// has none.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TailconeConfig {
-    /// Noise of the thruster's turns, a minute, 0 to 1000.
+    /// Noise of the thruster's speed, revolutions a minute, 0 to 1000.
     pub rpm_noise: f64,
-    /// BFRVL gives the speed by its table of turns; else that field is empty (SPI 6.7).
+    /// Whether BFRVL also gives a speed through the water, computed from the thruster's speed. Otherwise that field is
+    /// empty (SPI 6.7).
     pub speed_table: bool,
-    /// Standard deviation of the table's constant scale error, which the seed draws, as a share, 0 to 1.
+    /// Bias of that speed, as a share, 0 to 1.
     pub speed_error: f64,
     /// Noise of the angles, degrees, 0 to 90.
     pub angle_noise_deg: f64,
-    /// The furthest that rudder and elevator go, degrees, 1 to 90. The default is a usual stop of small torpedoes.
+    /// The greatest angle of rudder and elevator, degrees, 1 to 90. The default is a usual stop of small torpedoes.
     pub angle_max_deg: f64,
-    /// Seconds between BFRVL, and between BFERC, 0.01 to 3600.
+    /// The time from one BFRVL, and from one BFERC, to the next, seconds, 0.01 to 3600.
     pub period_s: f64,
 }
 
@@ -52,18 +54,19 @@ impl TailconeConfig {
     }
 }
 
-/// The `[sensors.telemetry]` section: BFTEL, which SPI 6.3 calls not implemented. Off unless it is asked for.
+/// The `[sensors.telemetry]` section: the state of the links to the topside (BFTEL). SPI 6.3 says that it is not
+/// implemented, so the default is off.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TelemetryConfig {
-    /// BFTEL is sent.
+    /// Whether the vehicle sends BFTEL.
     pub enabled: bool,
-    /// What the acoustic modem can carry up a minute, kilobytes, 0 to 1000000. The default is 80 bits a second, its
-    /// robust rate (WHOI Micro-Modem, rate 0).
+    /// How much the acoustic modem can carry to the surface in a minute, kilobytes, 0 to 1000000. The default is 80
+    /// bit/s, its most robust rate (WHOI Micro-Modem, rate 0).
     pub acoustic_up_kb: f64,
-    /// What it can carry down a minute, kilobytes, 0 to 1000000.
+    /// How much it can carry down in a minute, kilobytes, 0 to 1000000.
     pub acoustic_down_kb: f64,
-    /// Seconds between BFTEL, 0.01 to 3600.
+    /// The time from one BFTEL to the next, seconds, 0.01 to 3600.
     pub period_s: f64,
 }
 

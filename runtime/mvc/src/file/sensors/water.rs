@@ -3,16 +3,18 @@ use serde::Deserialize;
 use super::within;
 use crate::error::MvcError;
 
-/// The `[sensors.depth]` section: the pressure sensor, which BFRDP gives raw and the vehicle's depth is made from.
+/// The `[sensors.depth]` section: the pressure sensor. BFRDP reports its raw readings, and the vehicle computes its
+/// depth from it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DepthSensorConfig {
-    /// Standard deviation of the constant error, which the seed draws, kilopascals (a decimetre of water each), 0 to
-    /// 100. The default is 0.01 % of a range of 200 m (Paroscientific Digiquartz 8000, data sheet).
+    /// Bias of the pressure, kilopascals, 0 to 100. 1 kPa is 0.1 m of depth. The default is 0.01 % of a range of 200 m
+    /// (Paroscientific Digiquartz 8000, data sheet).
     pub bias_kpa: f64,
-    /// Noise of BFRDP, kilopascals, 0 to 100. The depth's own is `depth_noise_m` of `[sensors]`.
+    /// Noise of the pressure in BFRDP, kilopascals, 0 to 100. That of the depth in BFNVG is `depth_noise_m` of
+    /// `[sensors]`.
     pub noise_kpa: f64,
-    /// Seconds between BFRDP, 0.01 to 3600.
+    /// The time from one BFRDP to the next, seconds, 0.01 to 3600.
     pub period_s: f64,
 }
 
@@ -36,22 +38,22 @@ impl DepthSensorConfig {
     }
 }
 
-/// The `[sensors.sound]` section: the speed of sound, BFSVS.
+/// The `[sensors.sound]` section: the speed of sound, which BFSVS reports (SPI 6.4).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SoundConfig {
-    /// The vehicle has a sensor for it; else BFSVS is an estimate (SPI 6.4): by the payload's CTD data while they are
-    /// new, then by the vehicle's own CTD, then `nominal_mps`.
+    /// Whether the vehicle has a sensor for it. Otherwise BFSVS is an estimate: from a payload's CTD data while they
+    /// are new, then from the vehicle's own CTD, then `nominal_mps` (SPI 6.4).
     pub fitted: bool,
-    /// What is taken where nothing is known, metres a second, 1300 to 1700.
+    /// The speed that is assumed if nothing is known, metres a second, 1300 to 1700.
     pub nominal_mps: f64,
     /// Noise of the sensor, metres a second, 0 to 100 (AML SV-Xchange, data sheet: accuracy 0.025).
     pub noise_mps: f64,
-    /// Standard deviation of the sensor's constant error, which the seed draws, metres a second, 0 to 100.
+    /// Bias of the sensor, metres a second, 0 to 100.
     pub bias_mps: f64,
-    /// The payload's CTD data (SPI 7.15) are used for this long, seconds, 0 to 86400.
+    /// How long the vehicle uses CTD data of a payload (BPCTD, SPI 7.15), seconds, 0 to 86400.
     pub payload_data_for_s: f64,
-    /// Seconds between BFSVS, 0.01 to 3600.
+    /// The time from one BFSVS to the next, seconds, 0.01 to 3600.
     pub period_s: f64,
 }
 

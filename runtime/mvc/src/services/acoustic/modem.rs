@@ -7,48 +7,48 @@ use backseat_world::Stream;
 use super::peers::Peers;
 use crate::file::AcousticConfig;
 
-/// A packet that is to be sent.
+/// A packet to send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Request {
     pub(super) request: u32,
     pub(super) destination: u32,
     pub(super) ack: bool,
     pub(super) frames: usize,
-    /// The vehicle's own, not a payload's.
+    /// Whether it is the vehicle's own packet and not a payload's.
     pub(super) own: bool,
-    /// When it was asked for.
+    /// When it was requested.
     pub(super) asked: Timestamp,
 }
 
-/// What became of a packet that was sent.
+/// The result of sending a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Outcome {
-    /// When it began to sound.
+    /// When its transmission began.
     pub(super) sent: Timestamp,
     pub(super) heard: bool,
     pub(super) acked: bool,
 }
 
-/// Whether a packet has been taken up.
+/// Whether the modem has begun to send a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Begun {
-    /// There is none, or one is under way.
+    /// None is waiting, or one is being sent.
     No,
     Sending,
-    /// It would not be through before the window ends.
+    /// Its transmission would not end before the window does.
     TooLate(Request),
 }
 
-/// The vehicle's modem: the packets that wait, and the one under way.
+/// The vehicle's modem: the waiting packets, and the one that is being sent.
 #[derive(Debug)]
 pub(super) struct Modem {
     stream: Stream,
     queue: VecDeque<Request>,
     state: State,
     idle_since: Timestamp,
-    /// The last time that the modem has sounded, from and to.
+    /// Begin and end of the last transmission.
     sounded: (Timestamp, Timestamp),
-    /// Where the vehicle is: east and north, and its depth.
+    /// The vehicle's position and its depth in metres.
     at: (EastNorth, f64),
 }
 
@@ -59,7 +59,7 @@ enum State {
         request: Request,
         ends: Timestamp,
     },
-    /// The packet is through; its acknowledgement is due.
+    /// The packet is sent, and the modem waits for its acknowledgement.
     Listening {
         request: Request,
         outcome: Outcome,
@@ -79,7 +79,7 @@ impl Modem {
         }
     }
 
-    /// When it next wants to be asked.
+    /// When [`Modem::begin`] or [`Modem::finish`] next has something to do.
     pub(super) fn due(&self) -> Timestamp {
         match self.state {
             State::Idle if self.queue.is_empty() => Timestamp::MAX,
@@ -101,7 +101,7 @@ impl Modem {
         self.queue.len()
     }
 
-    /// Whether a packet with this identifier waits or is under way.
+    /// Whether a packet with this identifier is waiting or being sent.
     pub(super) fn holds(&self, request: u32) -> bool {
         let under_way = match self.state {
             State::Idle => false,
@@ -110,23 +110,23 @@ impl Modem {
         under_way || self.queue.iter().any(|waiting| waiting.request == request)
     }
 
-    /// Whether a packet of the vehicle's own waits: it makes no other then.
+    /// Whether one of the vehicle's own packets is waiting. The vehicle then adds no other.
     pub(super) fn has_own(&self) -> bool {
         self.queue.iter().any(|request| request.own)
     }
 
-    /// Takes out the payload's first packet that waits.
+    /// Removes and returns the payload's first waiting packet.
     pub(super) fn take_payloads(&mut self) -> Option<Request> {
         let at = self.queue.iter().position(|request| !request.own)?;
         self.queue.remove(at)
     }
 
-    /// Whether the modem itself sounds in some part of that time.
+    /// Whether the modem itself transmits at any time between `from` and `until`.
     pub(super) fn sounds(&self, from: Timestamp, until: Timestamp) -> bool {
         self.sounded.0 < until && from < self.sounded.1
     }
 
-    /// Takes up the next packet. A payload's must be through before its window ends.
+    /// Begins to send the next packet. The transmission of a payload's packet must end before the window does.
     pub(super) fn begin(&mut self, config: &AcousticConfig, until: Option<Timestamp>) -> Begun {
         if !matches!(self.state, State::Idle) {
             return Begun::No;
@@ -144,7 +144,7 @@ impl Modem {
         Begun::Sending
     }
 
-    /// The packet that is through, and what became of it.
+    /// The packet that is finished, if there is one, with its result.
     pub(super) fn finish(
         &mut self,
         now: Timestamp,
@@ -154,7 +154,7 @@ impl Modem {
         if let State::Sending { request, ends } = self.state
             && ends <= now
         {
-            // Both are drawn whatever happens, so that one packet's fate does not move the next one's.
+            // Both numbers are always drawn, so that the result of one packet does not change the draws for the next.
             let (there, back) = (self.stream.uniform(), self.stream.uniform());
             let range_m = peers.range_m(request.destination, self.at, ends);
             let heard = range_m.is_some() && there >= config.loss_chance;

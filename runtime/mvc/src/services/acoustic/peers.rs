@@ -6,10 +6,10 @@ use backseat_world::Stream;
 
 use crate::file::{AcousticConfig, PeerConfig};
 
-/// How many packets may be in the water at once.
+/// The greatest number of packets in the water at the same time.
 const IN_WATER_MAX: usize = 1024;
 
-/// The other vehicles with a modem, and their packets that are in the water.
+/// The other vehicles with modems, and their packets in the water.
 #[derive(Debug)]
 pub(super) struct Peers {
     peers: Vec<PeerConfig>,
@@ -18,7 +18,7 @@ pub(super) struct Peers {
     in_water: Vec<Arrival>,
 }
 
-/// One packet that a peer sends again and again.
+/// One packet that a peer sends, once or periodically.
 #[derive(Debug)]
 struct Source {
     peer: usize,
@@ -29,19 +29,19 @@ struct Source {
     period: Option<Duration>,
 }
 
-/// A packet at the vehicle's modem.
+/// A packet on its way to the vehicle's modem.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Arrival {
-    /// When its first sound arrives.
+    /// When it begins to arrive.
     pub(super) began: Timestamp,
-    /// When it has arrived whole.
+    /// When it has arrived completely.
     pub(super) at: Timestamp,
     pub(super) source: u32,
     pub(super) destination: u32,
     pub(super) mode: i32,
     pub(super) frames: u32,
     pub(super) data: [ReceivedFrame; 8],
-    /// It is not heard.
+    /// Whether the modem fails to hear it.
     pub(super) lost: bool,
 }
 
@@ -75,7 +75,7 @@ impl Peers {
         sources.chain(arrivals).min().unwrap_or(Timestamp::MAX)
     }
 
-    /// How far away the modem with this address is; none where there is none.
+    /// Distance to the modem with this address; `None` if there is no such modem.
     pub(super) fn range_m(&self, address: u32, from: (EastNorth, f64), time: Timestamp) -> Option<f64> {
         let peer = self.peers.iter().find(|peer| peer.address == address)?;
         Some(range_m(peer, from, time))
@@ -88,7 +88,7 @@ impl Peers {
             .any(|peer| peer.address == address && peer.acknowledges)
     }
 
-    /// Sends what is due.
+    /// Sends the packets that are due.
     pub(super) fn transmit(&mut self, now: Timestamp, config: &AcousticConfig, at: (EastNorth, f64)) {
         for source in &mut self.sources {
             while source.next <= now {
@@ -118,7 +118,7 @@ impl Peers {
         }
     }
 
-    /// The next packet that has arrived, the earliest first.
+    /// Removes and returns the packet that arrived first, if one has arrived.
     pub(super) fn arrived(&mut self, now: Timestamp) -> Option<Arrival> {
         let (index, _) = self
             .in_water
@@ -138,7 +138,7 @@ fn range_m(peer: &PeerConfig, (at, depth_m): (EastNorth, f64), time: Timestamp) 
     (east_m * east_m + north_m * north_m + down_m * down_m).sqrt()
 }
 
-/// A frame as the modem gives it: whole, with a byte of it changed, or not at all.
+/// A frame as the modem delivers it: good, with one byte changed, or undecodable.
 fn received(bytes: &[u8], config: &AcousticConfig, stream: &mut Stream) -> ReceivedFrame {
     let (chance, place) = (stream.uniform(), stream.next_u64());
     if chance < config.undecodable_chance {
@@ -154,7 +154,7 @@ fn received(bytes: &[u8], config: &AcousticConfig, stream: &mut Stream) -> Recei
     }
     let index = (place % data.len().max(1) as u64) as usize;
     if let Some(byte) = data.get_mut(index) {
-        // Never zero: the byte does change.
+        // The mask is never zero, so the byte always changes.
         *byte ^= (place >> 32) as u8 | 1;
     }
     let status = FrameReceivedStatus::Corrupted;

@@ -3,14 +3,15 @@ use backseat_world::Stream;
 use super::AdjustmentKind;
 use crate::file::AdjustmentConfig;
 
-/// The trim and buoyancy systems: how far the vehicle is out of trim and from neutral, and how far they still reach.
+/// The trim and buoyancy systems: how far the vehicle is from level trim and neutral buoyancy, and how far the systems
+/// have moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct System {
     pub(super) pitch_deg: f64,
     pub(super) roll_deg: f64,
     /// Positive up.
     pub(super) buoyancy_n: f64,
-    /// Where each system stands, from where it was at first.
+    /// How far each system has moved from its position at the start.
     pitch_moved_deg: f64,
     roll_moved_deg: f64,
     buoyancy_moved_n: f64,
@@ -29,7 +30,7 @@ impl System {
         }
     }
 
-    /// Whether no more is to be done.
+    /// Whether nothing is left to adjust.
     pub(super) fn is_done(&self, config: &AdjustmentConfig, kind: AdjustmentKind) -> bool {
         match kind {
             AdjustmentKind::Trim => {
@@ -39,7 +40,7 @@ impl System {
         }
     }
 
-    /// Works for so long; false where nothing could be moved any more.
+    /// Works for a number of seconds. Returns false if the systems cannot move any further.
     pub(super) fn work(&mut self, config: &AdjustmentConfig, kind: AdjustmentKind, seconds: f64) -> bool {
         match kind {
             AdjustmentKind::Trim => {
@@ -58,7 +59,7 @@ impl System {
     }
 }
 
-/// Moves a value towards zero as far as rate and range let it, and says how far.
+/// Moves a value towards zero as far as rate and range allow. Returns how far it moved.
 fn towards_zero(value: &mut f64, moved: &mut f64, most: f64, range: f64) -> f64 {
     let wanted = (-*value).clamp(-most, most);
     let step = (*moved + wanted).clamp(-range, range) - *moved;

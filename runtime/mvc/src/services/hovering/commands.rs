@@ -10,18 +10,18 @@ use crate::executive::mission::Mission;
 use crate::server::answers::Regarding;
 use crate::vehicle::Vertical;
 
-/// How far relative navigation reaches, metres each way: beyond, no coordinate is taken.
+/// How far relative navigation reaches, metres in each direction. Coordinates beyond it are refused.
 const REACH_M: f64 = 1000.0;
 const NOT_SUSPENDED: &str = "no mission is suspended";
 const IGNORED: &str = "ignored: no mission is suspended";
 
-/// How a command of a hovering vehicle turns out.
+/// The result of a command for hovering vehicles.
 enum Answer {
     /// Status 2.
     Done,
     /// Status 1, with the reason.
     Failed(String),
-    /// Status 0: which value, and what was expected.
+    /// Status 0, with the value and what was expected.
     Invalid(String),
 }
 
@@ -38,7 +38,7 @@ impl Hovering {
         });
     }
 
-    /// BPCON (SPI 8.2). It fails where there is no suspension to prolong: the payload has lost the vehicle.
+    /// BPCON (SPI 8.2). It fails if no mission is suspended: the payload no longer controls the vehicle.
     pub(crate) fn keep_suspended(&mut self, ctx: &mut Context<'_>, re: Regarding, mission: &mut Mission) {
         self.command(ctx, re, |ctx, _| {
             if mission.keep_suspended(ctx.now) {
@@ -60,7 +60,7 @@ impl Hovering {
         });
     }
 
-    /// BPSPD (SPI 8.4): any speed is taken, and the vehicle's best caps it.
+    /// BPSPD (SPI 8.4). Any speed above 0 is accepted, and the vehicle's greatest speed caps it.
     pub(crate) fn hull_speed_limit(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &HullSpeedLimit) {
         let speed_mps = request.speed_mps;
         self.command(ctx, re, |ctx, state| {
@@ -87,7 +87,7 @@ impl Hovering {
         });
     }
 
-    /// BPGHP (SPI 8.6). What is ignored is acknowledged as failed: the vehicle does not go there.
+    /// BPGHP (SPI 8.6). An ignored command is acknowledged as failed, because the vehicle does not go there.
     pub(crate) fn hull_position(
         &mut self,
         ctx: &mut Context<'_>,
@@ -97,7 +97,7 @@ impl Hovering {
     ) {
         let (horizontal_m, vertical_m, distance_m) = (request.horizontal_m, request.vertical_m, request.distance_m);
         self.command(ctx, re, |ctx, state| {
-            // The time starts anew whatever the place is: the payload is there.
+            // The time limit starts again even if the place is refused, because the payload is alive.
             if !mission.keep_suspended(ctx.now) {
                 return failed(IGNORED);
             }
@@ -111,10 +111,10 @@ impl Hovering {
                 return failed("there is no hull");
             }
             if !(safety_m..=REACH_M).contains(&distance_m) {
-                return Answer::Failed(format!("the distance is to be from {safety_m} to {REACH_M} m"));
+                return Answer::Failed(format!("the distance must be {safety_m} to {REACH_M} m"));
             }
             if !(0.0..=depth_max_m).contains(&depth_m) {
-                return Answer::Failed(format!("the depth is to be from 0 to {depth_max_m} m"));
+                return Answer::Failed(format!("the depth must be 0 to {depth_max_m} m"));
             }
             if horizontal_m.abs() > REACH_M {
                 return out_of_reach();
@@ -124,7 +124,7 @@ impl Hovering {
                 depth_m,
                 distance_m,
             };
-            // A payload says again and again where it wants to be: that is one line of the log.
+            // A payload repeats its goal. The log has one line for all repetitions.
             if state.go(goal) {
                 note(
                     ctx,
@@ -156,19 +156,20 @@ impl Hovering {
             let vertical = match reference {
                 VerticalReference::Depth if (0.0..=depth_max_m).contains(&metres) => Vertical::Depth(metres),
                 VerticalReference::Depth => {
-                    return Answer::Failed(format!("the depth is to be from 0 to {depth_max_m} m"));
+                    return Answer::Failed(format!("the depth must be 0 to {depth_max_m} m"));
                 }
                 VerticalReference::Altitude if (altitude_min_m..=REACH_M).contains(&metres) => {
                     Vertical::Altitude(metres)
                 }
                 VerticalReference::Altitude => {
-                    return Answer::Failed(format!("the altitude is to be from {altitude_min_m} to {REACH_M} m"));
+                    return Answer::Failed(format!("the altitude must be {altitude_min_m} to {REACH_M} m"));
                 }
             };
             if x_m.abs().max(y_m.abs()) > REACH_M {
                 return out_of_reach();
             }
-            // What is repeated does not turn the vehicle along with the drift of its bearing.
+            // A repeated command keeps the bearing of the first. Otherwise the vehicle would turn with the drift of its
+            // bearing.
             let bearing_deg = match state.goal {
                 Goal::Bottom { bearing_deg, .. } => bearing_deg,
                 Goal::Stay { .. } | Goal::Hull { .. } => state.relative.bearing_deg(ctx.vehicle),
@@ -215,7 +216,7 @@ impl Hovering {
         });
     }
 
-    /// BPPTZ (SPI 8.10). A figure beyond -9 to 9 does not parse.
+    /// BPPTZ (SPI 8.10). A value outside -9 to 9 does not parse.
     pub(crate) fn camera(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &Camera) {
         let (pan, tilt, zoom) = (request.pan, request.tilt, request.zoom);
         self.command(ctx, re, |ctx, state| {
@@ -227,7 +228,7 @@ impl Hovering {
         });
     }
 
-    /// BPLIT (SPI 8.11). Which light is ignored, as it says.
+    /// BPLIT (SPI 8.11). The number of the light is ignored, as that section says.
     pub(crate) fn light(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &Light) {
         let on = request.on;
         self.command(ctx, re, |ctx, state| {
@@ -240,7 +241,7 @@ impl Hovering {
         });
     }
 
-    /// Does a command that only hovering vehicles have, and answers it.
+    /// Carries out a command for hovering vehicles, and answers it.
     fn command<'a>(
         &mut self,
         ctx: &mut Context<'a>,

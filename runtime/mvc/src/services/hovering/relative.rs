@@ -6,15 +6,15 @@ use crate::file::HoveringConfig;
 use crate::vehicle::Vehicle;
 use crate::vehicle::ship::Ship;
 
-/// How far the range may be measured askew of the hull's own normal, degrees.
+/// The greatest angle from the hull's normal at which the range can be measured, degrees.
 const ASKEW_MAX_DEG: f64 = 60.0;
 const SECONDS_PER_H: f64 = 3600.0;
 
-/// Relative navigation: dead reckoning from a reference point, x towards the target, y to the right of it, by the velocity
-/// that BFNVR tells and with a drift of its own.
+/// Relative navigation: dead reckoning from a reference point, with x towards the target and y to the right of it. It
+/// uses the velocity that BFNVR reports, and drifts.
 ///
-/// With a ship the point is midships of its inspected side at the waterline; without one it is where the vehicle
-/// started, and x points where it pointed. Both bearings count clockwise, the relative one from x.
+/// With a ship, the reference point is midships of its inspected side, at the waterline. Without one, it is where the
+/// vehicle started, and x points where the vehicle pointed. Both bearings count clockwise, the relative one from x.
 #[derive(Clone, Debug)]
 pub(crate) struct Relative {
     ship: Option<Ship>,
@@ -23,24 +23,24 @@ pub(crate) struct Relative {
     x_axis_deg: f64,
     sin: f64,
     cos: f64,
-    /// Where the inertial bearing has its zero: what the vehicle pointed at when it was switched on.
+    /// Zero of the inertial bearing: the direction in which the vehicle pointed when it was switched on.
     zero_deg: f64,
     stream: Stream,
     drift_step_m: f64,
     bearing_step_deg: f64,
-    /// Steps of the vehicle a second, and until the next step of the drift.
+    /// Steps of the vehicle a second; `until_drift` is the number of steps until the next step of the drift.
     tick_hz: u32,
     until_drift: u32,
-    /// Of the error of the relative bearing.
+    /// Sine and cosine of the error of the relative bearing.
     error_sin: f64,
     error_cos: f64,
     true_x_m: f64,
     true_y_m: f64,
     x_m: f64,
     y_m: f64,
-    /// Error of the inertial bearing: its drift and what BPRBO has added.
+    /// Error of the inertial bearing: its drift, and what BPRBO has added.
     inertial_error_deg: f64,
-    /// What BPRNS has moved the relative bearing by beside the inertial one.
+    /// By how much BPRNS has moved the relative bearing against the inertial one.
     alignment_deg: f64,
 }
 
@@ -78,7 +78,8 @@ impl Relative {
         relative
     }
 
-    /// Reckons one step of the vehicle: the way that it knows of, turned by the error of its bearing, and the drift.
+    /// Adds one step of the vehicle: the distance that it believes to have moved, turned by the error of its bearing,
+    /// and the drift.
     pub(crate) fn reckon(&mut self, vehicle: &Vehicle, way: EastNorth) {
         (self.true_x_m, self.true_y_m) = self.project(vehicle.motion().at - self.origin);
         let (way_x_m, way_y_m) = self.project(way);
@@ -86,7 +87,7 @@ impl Relative {
         self.y_m += way_x_m * self.error_sin + way_y_m * self.error_cos;
         self.until_drift -= 1;
         if self.until_drift == 0 {
-            // A step a second is finer than anyone can tell, and spares random numbers.
+            // One step of the drift a second is fine enough, and saves random numbers.
             self.until_drift = self.tick_hz;
             self.x_m += self.drift_step_m * self.stream.gaussian();
             self.y_m += self.drift_step_m * self.stream.gaussian();
@@ -95,12 +96,12 @@ impl Relative {
         }
     }
 
-    /// Where the vehicle believes that it is, metres along x and y.
+    /// Where the vehicle believes to be, metres along x and y.
     pub(crate) const fn believed(&self) -> (f64, f64) {
         (self.x_m, self.y_m)
     }
 
-    /// Where it is, metres along x and y.
+    /// Where it truly is, metres along x and y.
     pub(crate) const fn truth(&self) -> (f64, f64) {
         (self.true_x_m, self.true_y_m)
     }
@@ -110,7 +111,7 @@ impl Relative {
         wrap_180(self.true_bearing_deg(vehicle) + self.bearing_error_deg())
     }
 
-    /// The bearing that it has, degrees from x, in [-180, 180).
+    /// The bearing that it truly has, degrees from x, in [-180, 180).
     pub(crate) fn true_bearing_deg(&self, vehicle: &Vehicle) -> f64 {
         wrap_180(vehicle.motion().heading_deg - self.x_axis_deg)
     }
@@ -120,8 +121,8 @@ impl Relative {
         wrap_360(vehicle.motion().heading_deg - self.zero_deg + self.inertial_error_deg)
     }
 
-    /// Distance from the target, metres: measured where the inspected side is in sight of what is turned to it, else
-    /// reckoned.
+    /// Distance from the target, metres. It is measured if the DVL faces the inspected side (`turned_to_it`) and has it
+    /// in sight, otherwise it comes from dead reckoning.
     pub(crate) fn distance_m(&self, vehicle: &Vehicle, turned_to_it: bool) -> f64 {
         let measured_m = -self.true_x_m;
         let in_sight = turned_to_it
@@ -133,7 +134,7 @@ impl Relative {
         if in_sight { measured_m } else { -self.x_m }
     }
 
-    /// BPRNS (SPI 8.8): the place and the relative bearing are these now. By how much the place has moved.
+    /// BPRNS (SPI 8.8): sets the believed place and relative bearing. Returns by how much the place has moved.
     pub(crate) fn reset(&mut self, x_m: f64, y_m: f64, bearing_deg: f64, vehicle: &Vehicle) -> (f64, f64) {
         let moved = (x_m - self.x_m, y_m - self.y_m);
         (self.x_m, self.y_m) = (x_m, y_m);
@@ -148,14 +149,14 @@ impl Relative {
         self.turn();
     }
 
-    /// The velocity over ground, east and north, of what the vehicle takes for a velocity along x and y.
+    /// The true velocity over ground (east, north) when the vehicle believes to move along x and y with this velocity.
     pub(crate) fn over_ground(&self, x_mps: f64, y_mps: f64) -> (f64, f64) {
         let (sin, cos) = (self.error_sin, self.error_cos);
         let (x_mps, y_mps) = (x_mps * cos + y_mps * sin, y_mps * cos - x_mps * sin);
         (x_mps * self.sin + y_mps * self.cos, x_mps * self.cos - y_mps * self.sin)
     }
 
-    /// The heading, degrees from the frame's north, of what the vehicle takes for this relative bearing.
+    /// The true heading, degrees from the frame's north, when the vehicle believes to have this relative bearing.
     pub(crate) fn heading_deg(&self, bearing_deg: f64) -> f64 {
         self.x_axis_deg + bearing_deg - self.bearing_error_deg()
     }

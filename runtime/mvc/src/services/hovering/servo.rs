@@ -1,4 +1,4 @@
-/// A device that turns at one speed to where it is sent.
+/// A device that turns to an ordered angle at a constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Servo {
     at_deg: f64,
@@ -18,7 +18,7 @@ impl Servo {
         self.to_deg = deg;
     }
 
-    /// One step in which it can turn so far.
+    /// One step, in which it turns by at most `most_deg`.
     pub(crate) fn step(&mut self, most_deg: f64) {
         self.at_deg += (self.to_deg - self.at_deg).clamp(-most_deg, most_deg);
     }

@@ -3,25 +3,25 @@ use backseat_units::math::exp;
 use super::AT_REST;
 use super::coefficients::{FIN_LAG_S, FIN_MAX_DEG, FIN_RATE_MAX_DPS, PROPELLER_LAG_S, PROPELLER_MAX_RPM};
 
-/// What the tail is ordered to, or where it is.
+/// The orders to the tail, or its state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Actuators {
-    /// Degrees, positive turns to starboard; ±15.
+    /// Degrees, positive turns the vehicle to starboard; within ±15.
     pub(crate) rudder_deg: f64,
-    /// Degrees, positive pitches the nose down; ±15. The vehicle interface's elevator is its opposite.
+    /// Degrees, positive pitches the nose down; within ±15. The elevator of SPI has the opposite sign.
     pub(crate) stern_plane_deg: f64,
-    /// Turns a minute, ±1525; negative brakes.
+    /// Turns a minute, within ±1525; negative brakes.
     pub(crate) propeller_rpm: f64,
 }
 
 impl Actuators {
-    /// The elevator as the vehicle interface counts it, degrees, positive pitches the nose up (SPI 6.12).
+    /// The elevator with SPI's sign, degrees, positive pitches the nose up (SPI 6.12).
     #[must_use]
     pub(crate) fn elevator_deg(&self) -> f64 {
         -self.stern_plane_deg
     }
 
-    /// Within what the tail can do; what is no number is amidships.
+    /// Clamps to what the tail can do; NaN becomes zero.
     #[must_use]
     pub(crate) fn limited(self) -> Self {
         Self {
@@ -36,11 +36,12 @@ fn limited(value: f64, most: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-most, most) }
 }
 
-/// Fins and propeller, each a first-order lag behind its order; a fin also turns no faster than its servo.
+/// Fins and propeller. Each follows its order with a first-order lag, and a fin turns no faster than its servo.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tail {
     pub(super) now: Actuators,
-    /// Shares of the way to the order in a step of `step_s`, kept because every step is as long.
+    /// The shares of the remaining difference that a step of `step_s` removes. They are stored because all steps have
+    /// the same length.
     step_s: f64,
     fin_share: f64,
     propeller_share: f64,
@@ -51,7 +52,7 @@ impl Tail {
         self.now
     }
 
-    /// Moves by a step; its mean over the step.
+    /// Moves by a step. Returns the mean over the step.
     pub(super) fn step(&mut self, order: Actuators, dt_s: f64) -> Actuators {
         if dt_s.to_bits() != self.step_s.to_bits() {
             self.step_s = dt_s;
@@ -91,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn orders_beyond_the_tail_are_limited_and_lag() {
+    fn orders_beyond_the_limits_are_clamped_and_lag() {
         let mut tail = Tail::default();
         let order = Actuators {
             rudder_deg: 90.0,
@@ -103,7 +104,7 @@ mod tests {
         for _ in 0..49 {
             tail.step(order, 0.02);
         }
-        // One time constant of the propeller, ten of the fins.
+        // One second is one time constant of the propeller and ten of the fins.
         assert!((tail.now().propeller_rpm - 1525.0 * (1.0 - exp(-1.0))).abs() < 1e-6);
         assert!((tail.now().rudder_deg - 15.0).abs() < 0.01);
         assert_eq!(tail.now().stern_plane_deg, 0.0);

@@ -1,7 +1,7 @@
 use backseat_units::math::{atan2, sin_cos};
 use nalgebra::{Quaternion, Vector3};
 
-/// From the body's axes to north, east, down, as a unit quaternion.
+/// The rotation from the body's axes to north, east, down, as a unit quaternion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Attitude(pub(super) Quaternion<f64>);
 
@@ -11,14 +11,14 @@ impl Attitude {
         Self(Quaternion::new(cos, 0.0, 0.0, sin))
     }
 
-    /// The sum is written out: its order is part of a seed's bytes.
+    /// The sum is written out, because its order determines the bits of the result.
     pub(super) fn normalize(&mut self) {
         let Quaternion { coords } = self.0;
         let length = (coords.w * coords.w + coords.x * coords.x + coords.y * coords.y + coords.z * coords.z).sqrt();
         self.0 /= length;
     }
 
-    /// The world's down in the body's axes.
+    /// The direction down, in the body's axes.
     pub(super) fn down(&self) -> Vector3<f64> {
         let [x, y, z, w]: [f64; 4] = self.0.coords.into();
         Vector3::new(
@@ -33,17 +33,17 @@ impl Attitude {
         atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
     }
 
-    /// A vector in the body's axes as north, east, down.
+    /// Converts a vector in the body's axes to north, east, down.
     pub(super) fn to_world(self, vector: Vector3<f64>) -> Vector3<f64> {
         rotated(&self.0, vector)
     }
 
-    /// A vector given as north, east, down in the body's axes.
+    /// Converts a vector of north, east, down to the body's axes.
     pub(super) fn to_body(self, vector: Vector3<f64>) -> Vector3<f64> {
         rotated(&self.0.conjugate(), vector)
     }
 
-    /// The change of the quaternion in a second at these rates of roll, pitch and yaw in the body's axes, radians a
+    /// The change of the quaternion per second at these rates of roll, pitch and yaw in the body's axes, radians a
     /// second (Fossen 2021, section 2.2.2).
     pub(super) fn rate(&self, turn: Vector3<f64>) -> Quaternion<f64> {
         let [x, y, z, w]: [f64; 4] = self.0.coords.into();
@@ -57,7 +57,7 @@ impl Attitude {
     }
 }
 
-/// The vector turned by the quaternion: v + 2 e x (e x v + w v), e its vector part.
+/// The vector, rotated by the quaternion: v + 2 e x (e x v + w v), where e is the quaternion's vector part.
 fn rotated(quaternion: &Quaternion<f64>, vector: Vector3<f64>) -> Vector3<f64> {
     let axis = quaternion.imag();
     let half = axis.cross(&vector) + vector * quaternion.w;
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_right_through_a_loop_without_a_singularity() {
+    fn turns_through_a_whole_loop_without_a_singularity() {
         // A whole loop at 90 degrees a second, through both verticals.
         let mut attitude = Attitude::level(0.5);
         for _ in 0..4000 {

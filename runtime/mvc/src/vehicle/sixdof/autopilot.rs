@@ -7,11 +7,11 @@ use super::coefficients::{Coefficients, FIN_MAX_DEG, PROPELLER_MAX_RPM};
 /// What the autopilot holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Setpoints {
-    /// In the horizontal plane.
+    /// Horizontal.
     pub(crate) steering: Steering,
-    /// In the vertical plane.
+    /// Vertical.
     pub(crate) vertical: Vertical,
-    /// Along.
+    /// Forward.
     pub(crate) throttle: Throttle,
 }
 
@@ -29,7 +29,7 @@ pub(crate) enum Steering {
 pub(crate) enum Vertical {
     /// Metres.
     Depth(f64),
-    /// Depth, metres, that changes by so many metres a second: an altitude over a slope.
+    /// Depth, metres, and its change, metres a second: for an altitude over a slope.
     MovingDepth(f64, f64),
     /// Degrees, positive nose up.
     Pitch(f64),
@@ -37,7 +37,7 @@ pub(crate) enum Vertical {
     Elevator(f64),
 }
 
-/// How the vehicle is driven.
+/// How fast the vehicle is driven.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Throttle {
     /// Through the water, metres a second.
@@ -46,32 +46,33 @@ pub(crate) enum Throttle {
     Rpm(f64),
 }
 
-/// What the autopilot does not go beyond, whatever it is asked.
+/// The limits that the autopilot keeps, whatever the setpoints are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds {
-    /// The deepest that it may go here, metres.
+    /// The greatest depth allowed here, metres.
     pub(crate) depth_max_m: f64,
-    /// The fastest through the water, metres a second.
+    /// The greatest speed through the water, metres a second.
     pub(crate) speed_max_mps: f64,
-    /// The steepest, degrees.
+    /// The steepest pitch, degrees.
     pub(crate) pitch_max_deg: f64,
     /// The fastest climb and dive, metres a second.
     pub(crate) depth_rate_max_mps: f64,
-    /// Depth rate for a metre of depth error, per second.
+    /// Depth rate per metre of depth error, per second.
     pub(crate) depth_gain_per_s: f64,
     /// The fastest turn, degrees a second.
     pub(crate) yaw_rate_max_dps: f64,
 }
 
-/// Successive loops (Fossen 2021, chapter 15), each inner one several times as fast as the one around it:
+/// Nested control loops (Fossen 2021, chapter 15), where each inner loop is several times as fast as the one around it:
 ///
-/// - heading: a reference model that turns no faster than the rudder can, then PID by pole placement with the turn's
-///   rudder fed forward;
-/// - depth: depth rate by the depth error, pitch by the depth rate, stern plane by PID on pitch with the righting moment
-///   fed forward;
-/// - speed: the turns that hold the speed in straight flight, and PI.
+/// - heading: a reference model that turns no faster than the rudder can, then PID by pole placement, with the rudder
+///   for the turn fed forward;
+/// - depth: depth rate from the depth error, pitch from the depth rate, stern plane by PID on pitch, with the righting
+///   moment fed forward;
+/// - speed: the propeller's turns that hold the speed in straight flight, plus PI.
 ///
-/// Gains follow the speed, with the fins' force. An integral that would drive a fin against its stop waits.
+/// The gains follow the speed, as the force of the fins does. An integral does not grow while it would drive a fin
+/// against its stop.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Autopilot {
     heading: Option<HeadingReference>,
@@ -82,45 +83,48 @@ pub(crate) struct Autopilot {
     speed_integral: f64,
 }
 
-/// Heading and its rate as they ought to be now, radians.
+/// The heading and its rate that the vehicle should have now, radians.
 #[derive(Clone, Copy, Debug)]
 struct HeadingReference {
     heading: f64,
     rate: f64,
 }
 
-/// The slowest at which the fins are counted on, metres a second: their force goes with the square.
+/// The least speed in the computation of the fins' force, metres a second. The force grows with the square of the
+/// speed.
 const AUTHORITY_LEAST_MPS: f64 = 0.5;
-/// Rate of turn for a rudder angle, per metre: the steady turn of this model at 10 degrees, 1.6 to 2.5 m/s, where it
-/// makes 2.2 to 2.5 degrees a second for each metre a second.
+/// Rate of turn per rudder angle and speed, per metre. It comes from the steady turn of this model at 10 degrees of
+/// rudder and 1.6 to 2.5 m/s: 2.2 to 2.5 degrees a second for each metre a second.
 const TURN_PER_M: f64 = 0.235;
-/// The fastest turn asked for, degrees a second for each metre a second: two thirds of the rudder, the rest corrects.
+/// The fastest demanded turn, degrees a second for each metre a second. It takes two thirds of the rudder; the rest is
+/// for corrections.
 pub(super) const TURN_MAX_DEG_PER_M: f64 = 2.4;
-/// Share of the stern planes that holds a steady pitch; the rest corrects.
+/// Share of the stern planes that may hold a steady pitch; the rest is for corrections.
 const PITCH_SHARE: f64 = 0.8;
-/// Rate of turn for a heading error.
+/// Rate of turn per heading error, per second.
 pub(super) const HEADING_GAIN_PER_S: f64 = 0.3;
 const HEADING_LAG_S: f64 = 1.0;
-/// How far the heading reference runs ahead of the heading, radians.
+/// The greatest difference between the heading reference and the heading, radians.
 const HEADING_LEAD: f64 = 0.25;
 const YAW_BANDWIDTH: f64 = 0.6;
 const PITCH_BANDWIDTH: f64 = 1.2;
 const DAMPING: f64 = 0.9;
-/// The fastest change of the pitch that is asked for, radians a second.
+/// The fastest change of the pitch reference, radians a second.
 pub(super) const PITCH_RATE_MAX: f64 = 0.14;
-/// Pitch for a metre of depth that the depth rate has failed to make, radians per metre, at 1 m/s.
+/// Pitch per metre of depth that the depth rate has fallen short, radians per metre, at 1 m/s.
 const DEPTH_RATE_INTEGRAL: f64 = 0.15;
-/// Propeller's turns a minute for an error of 1 m/s, and for its integral.
+/// The propeller's turns a minute per speed error of 1 m/s, and per metre of its integral.
 const RPM_PER_MPS: f64 = 150.0;
 const RPM_PER_M: f64 = 40.0;
-/// Largest parts of the integrals: degrees of a fin and of pitch, turns a minute.
+/// The greatest contributions of the integrals: of a fin in degrees, of pitch in radians, of the propeller in turns a
+/// minute.
 const FIN_INTEGRAL_MAX_DEG: f64 = 5.0;
 const PITCH_INTEGRAL_MAX: f64 = 0.17;
 const RPM_INTEGRAL_MAX: f64 = 200.0;
 
 impl Autopilot {
-    /// Where fins and propeller go now, `dt_s` seconds after the last call. A heading, depth or pitch that is no number
-    /// is the present one.
+    /// The orders to fins and propeller, `dt_s` seconds after the last call. A heading, depth or pitch that is not
+    /// finite is replaced by the present one, another setpoint by zero.
     #[must_use]
     pub(crate) fn command(&mut self, vehicle: &SixDof, setpoints: &Setpoints, bounds: &Bounds, dt_s: f64) -> Actuators {
         let speed_mps = vehicle.velocity()[0].max(AUTHORITY_LEAST_MPS);
@@ -179,7 +183,7 @@ impl Autopilot {
         dt_s: f64,
     ) -> f64 {
         let pitch_max = steepest_rad(&vehicle.coefficients, bounds, speed_mps);
-        // The steepest dive from here that still levels out above the deepest.
+        // The steepest dive from here that still levels out above the greatest depth.
         let floor_mps = bounds.depth_gain_per_s * (bounds.depth_max_m - vehicle.depth_m());
         let floor_pitch = pitch_for(floor_mps, speed_mps).clamp(-pitch_max, pitch_max);
         let (depth_m, moving_mps) = match vertical {
@@ -209,7 +213,8 @@ impl Autopilot {
         let missed_mps = rate_mps - vehicle.ground_velocity().2;
         let pitch = pitch_for(rate_mps, speed_mps) - self.depth_rate_integral;
         let more = DEPTH_RATE_INTEGRAL / speed_mps * missed_mps * dt_s;
-        // At the surface nothing but the demand itself may push upwards: the integral would hold the nose up for ever.
+        // At the surface only the demand itself may point upwards. Otherwise the integral would keep the nose up for
+        // ever.
         let afloat = vehicle.depth_m() <= 0.0 && more < 0.0;
         if !afloat {
             self.depth_rate_integral = integrated(self.depth_rate_integral, more, -pitch, pitch_max)
@@ -246,7 +251,7 @@ impl Autopilot {
         };
         let error_mps = wanted_mps - vehicle.velocity()[0];
         let rpm = rpm_for(coefficients, wanted_mps) + RPM_PER_MPS * error_mps + self.speed_integral;
-        // The integral is for what fins and pitch cost, not for getting under way.
+        // The integral compensates for the drag of fins and pitch. It does not act while the vehicle accelerates.
         if error_mps.abs() < 0.1 {
             self.speed_integral = integrated(
                 self.speed_integral,
@@ -288,25 +293,25 @@ impl Setpoints {
     }
 }
 
-/// An integral that does not grow towards a stop at which `output` already is.
+/// Adds to an integral, unless `output` is at its stop and the addition would push it further.
 fn integrated(integral: f64, more: f64, output: f64, most: f64) -> f64 {
     let against = output.abs() >= most && output * more > 0.0;
     if against { integral } else { integral + more }
 }
 
-/// Pitch that climbs or dives at a depth rate, radians, positive nose up.
+/// The pitch for a depth rate, radians, positive nose up.
 fn pitch_for(depth_rate_mps: f64, speed_mps: f64) -> f64 {
     asin((-depth_rate_mps / speed_mps).clamp(-1.0, 1.0))
 }
 
-/// The steepest that the stern planes hold at a speed against the righting moment, and the bounds allow.
+/// The steepest pitch that the stern planes can hold against the righting moment at a speed, and that the bounds allow.
 fn steepest_rad(coefficients: &Coefficients, bounds: &Bounds, speed_mps: f64) -> f64 {
     let moment = coefficients.stern_plane * coefficients.fins_aft_m * speed_mps * speed_mps * FIN_MAX_DEG.to_radians();
     let by_fins = asin((PITCH_SHARE * moment / coefficients.righting_nm()).min(1.0));
     by_fins.min(bounds.pitch_max_deg.to_radians()).max(0.0)
 }
 
-/// Stern plane for a pitch and its rate, without the integral, degrees.
+/// Stern plane angle for a pitch and its rate, without the integral, degrees.
 fn held_deg(vehicle: &SixDof, pitch: f64, rate: f64, speed_mps: f64) -> f64 {
     let coefficients = &vehicle.coefficients;
     let now = vehicle.pitch_deg().to_radians();
@@ -321,12 +326,12 @@ fn held_deg(vehicle: &SixDof, pitch: f64, rate: f64, speed_mps: f64) -> f64 {
     -(nose_up_nm / stern_authority(vehicle, speed_mps)).to_degrees()
 }
 
-/// Moment of the stern planes for a radian, newton metres.
+/// Moment of the stern planes per radian, newton metres.
 fn stern_authority(vehicle: &SixDof, speed_mps: f64) -> f64 {
     vehicle.coefficients.stern_plane * vehicle.coefficients.fins_aft_m * speed_mps * speed_mps
 }
 
-/// Turns of the propeller a minute that hold a speed in straight flight: where thrust is drag.
+/// The propeller's turns a minute that hold a speed in straight flight, where thrust equals drag.
 pub(super) fn rpm_for(coefficients: &Coefficients, speed_mps: f64) -> f64 {
     let drag = coefficients.half_rho_planform * coefficients.parasitic_drag * speed_mps * speed_mps
         + coefficients.damping[0] * exp(-3.0 * speed_mps) * speed_mps;

@@ -1,4 +1,4 @@
-//! The REMUS 100's numbers, and what follows from them once and for all.
+//! The figures of the REMUS 100, and the constants that follow from them.
 //!
 //! Sources, by the letters that the constants name:
 //! - **F**: T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed., Wiley 2021, section
@@ -7,8 +7,8 @@
 //! - **A**: B. Allen, W. S. Vorus and T. Prestero, "Propulsion system performance enhancements on REMUS AUVs", OCEANS
 //!   2000, pp. 1869-1873.
 //! - **P**: T. Prestero, *Verification of a Six-Degree of Freedom Simulation Model for the REMUS Autonomous Underwater
-//!   Vehicle*, MSc thesis, MIT and WHOI 2001: an earlier, shorter vehicle. Not flown here; the tests compare with its
-//!   mass properties.
+//!   Vehicle*, MSc thesis, MIT and WHOI 2001: an earlier, shorter vehicle. The model does not use it, but the tests
+//!   compare with its mass properties.
 
 use core::f64::consts::PI;
 
@@ -25,7 +25,7 @@ const GRAVITY_MPS2: f64 = 9.81;
 pub(super) const LENGTH_M: f64 = 1.6;
 /// Diameter of the body, metres (F).
 pub(super) const DIAMETER_M: f64 = 0.19;
-/// By how much the spheroid that stands for the body is larger than it, so that it weighs 31.9 kg (F).
+/// The factor by which the spheroid in the model is larger than the body, so that it weighs 31.9 kg (F).
 const SPHEROID_SCALE: f64 = 1.0096;
 /// How far the centre of gravity lies below the centre of buoyancy, which is the origin, metres (F; P has 0.0196).
 pub(super) const GRAVITY_BELOW_M: f64 = 0.02;
@@ -37,8 +37,8 @@ const PLANFORM_SHARE: f64 = 0.7;
 const FRONTAL_DRAG: f64 = 0.42;
 /// Oswald's efficiency in the induced drag (F).
 const OSWALD: f64 = 0.7;
-/// Hoerner's two-dimensional cross-flow drag coefficient of a section as wide as it is high, read off his curve between
-/// its points (0.493, 1.211) and (0.558, 1.084) (F, section 6.4).
+/// Hoerner's two-dimensional cross-flow drag coefficient of a section as wide as it is high, interpolated on his curve
+/// between the points (0.493, 1.211) and (0.558, 1.084) (F, section 6.4).
 pub(super) const CROSS_FLOW_DRAG: f64 = 1.197_653;
 /// Strips into which the body is divided for the cross-flow drag (F).
 pub(super) const STRIPS: usize = 20;
@@ -55,52 +55,53 @@ const PITCH_DAMPING: f64 = 0.8;
 const FINS_M2: f64 = 2.0 * 0.006_65;
 const RUDDER_LIFT: f64 = 0.5;
 const STERN_PLANE_LIFT: f64 = 0.7;
-/// The furthest that a fin turns, degrees (F's autopilot; the hinges would let it go to 20).
+/// The greatest angle of a fin, degrees (F's autopilot; the hinges allow 20).
 pub(super) const FIN_MAX_DEG: f64 = 15.0;
 /// Time constant of a fin's servo, seconds (F).
 pub(super) const FIN_LAG_S: f64 = 0.1;
-/// The fastest that a fin turns, degrees a second. Not published: a hobby-size servo under load.
+/// The fastest turn of a fin, degrees a second. This is not published; it is typical of a small servo under load.
 pub(super) const FIN_RATE_MAX_DPS: f64 = 60.0;
-/// The fastest that the propeller turns, a minute (A, F).
+/// The greatest number of turns of the propeller a minute (A, F).
 pub(super) const PROPELLER_MAX_RPM: f64 = 1525.0;
 /// Time constant of the propeller, seconds (F).
 pub(super) const PROPELLER_LAG_S: f64 = 1.0;
 
 /// Diameter of the propeller, metres: 5.5 inches (A).
 const PROPELLER_M: f64 = 0.14;
-/// Share of the thrust that the body in front of the propeller costs (F).
+/// Share of the thrust that is lost because the body is in front of the propeller (F).
 const THRUST_DEDUCTION: f64 = 0.1;
 /// Speed of the water at the propeller as a share of the vehicle's (A).
 const WAKE: f64 = 0.944;
-/// Thrust and torque coefficients at no advance and at the advance number of 2.5 m/s and 1525 a minute, from the
+/// Thrust and torque coefficients at advance number zero and at that of 2.5 m/s and 1525 turns a minute, from the
 /// Wageningen series with three blades and an area ratio of 0.718 (F).
 const THRUST_AT_REST: f64 = 0.4566;
 const THRUST_AT_SPEED: f64 = 0.1798;
 const TORQUE_AT_REST: f64 = 0.0700;
 const TORQUE_AT_SPEED: f64 = 0.0312;
 const ADVANCE_AT_SPEED: f64 = 0.6632;
-/// Share of the propeller's torque that the body feels: fitted to measured roll (F).
+/// Share of the propeller's torque that acts on the body, fitted to measured roll (F).
 const TORQUE_SHARE: f64 = 0.1;
 
-/// Depth over which the buoyancy in excess of the weight comes in, metres: one diameter. The body's own floating is not
-/// modelled; this lets it come to rest at the surface.
+/// Depth over which the buoyancy in excess of the weight grows from zero to its full value, metres: one diameter. The
+/// model has no body that floats half out of the water; this lets the vehicle come to rest at the surface.
 pub(super) const BUOYANCY_FADES_M: f64 = DIAMETER_M;
 
-/// What the equations of motion need, worked out once.
+/// The constants of the equations of motion, computed once.
 ///
-/// Mass and inertia are about the origin, the centre of buoyancy. The body is symmetric and its centre of gravity on
-/// the vertical axis, so that surge goes with pitch, sway with roll, and heave and yaw go alone.
+/// Mass and inertia are about the origin, the centre of buoyancy. The body is symmetric and its centre of gravity is on
+/// the vertical axis. So the mass matrix couples surge with pitch and sway with roll, and neither heave nor yaw with
+/// anything.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coefficients {
     pub(super) mass_kg: f64,
     pub(super) weight_n: f64,
-    /// Rigid body's inertia about the origin, kg m2: roll, pitch, yaw.
+    /// Inertia of the rigid body about the origin, kg m2: roll, pitch, yaw.
     pub(super) inertia: [f64; 3],
     /// Added mass and inertia: surge, sway, heave, roll, pitch, yaw.
     pub(super) added: [f64; 6],
     /// Diagonal of the whole mass matrix.
     pub(super) mass: [f64; 6],
-    /// Mass times the depth of its centre below the origin, kg m: the only coupling in the mass matrix.
+    /// Mass times the distance of its centre below the origin, kg m: the only coupling in the mass matrix.
     pub(super) coupling: f64,
     /// Determinants of the two coupled blocks: surge with pitch, sway with roll.
     pub(super) surge_pitch: f64,
@@ -109,23 +110,23 @@ pub(super) struct Coefficients {
     pub(super) damping: [f64; 6],
     /// Half density times planform area.
     pub(super) half_rho_planform: f64,
-    /// Drag coefficient without lift, on the planform.
+    /// Drag coefficient without lift, relative to the planform area.
     pub(super) parasitic_drag: f64,
-    /// Derivative of the body's lift, per radian, on the planform.
+    /// Derivative of the body's lift coefficient, per radian, relative to the planform area.
     pub(super) lift: f64,
     /// Induced drag coefficient for a lift coefficient of one.
     pub(super) induced_drag: f64,
-    /// Cross-flow drag of a strip for a square metre per square second.
+    /// Cross-flow drag of a strip, newtons for a squared speed of 1 m2/s2.
     pub(super) strip: f64,
-    /// Fin lift for a radian and a square metre per square second, newtons.
+    /// Lift of the fins for an angle of one radian and a squared speed of 1 m2/s2, newtons.
     pub(super) rudder: f64,
     pub(super) stern_plane: f64,
-    /// How far aft the fins are, metres.
+    /// Distance of the fins aft of the origin, metres.
     pub(super) fins_aft_m: f64,
     pub(super) propeller: Propeller,
 }
 
-/// Thrust and torque on the body: each is a turns^2 less a part of turns times speed.
+/// Thrust and torque on the body. Each is a constant times turns^2, minus another (`_lost`) times turns times speed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Propeller {
     pub(super) thrust: f64,
@@ -138,7 +139,7 @@ impl Coefficients {
     pub(super) fn remus_100() -> Self {
         let (a, b) = (0.5 * SPHEROID_SCALE * LENGTH_M, 0.5 * SPHEROID_SCALE * DIAMETER_M);
         let mass_kg = 4.0 / 3.0 * PI * RHO_KG_PER_M3 * a * b * b;
-        // A spheroid of even density.
+        // A spheroid of uniform density.
         let (roll, pitch) = (0.4 * mass_kg * b * b, 0.2 * mass_kg * (a * a + b * b));
         // Lamb's k-factors of a prolate spheroid (Imlay 1961; F).
         let e2 = 1.0 - (b / a) * (b / a);
@@ -210,12 +211,12 @@ impl Coefficients {
         }
     }
 
-    /// Moment that rights the body, for a sine of one, newton metres.
+    /// The righting moment at an inclination of 90 degrees, newton metres.
     pub(super) fn righting_nm(&self) -> f64 {
         self.weight_n * GRAVITY_BELOW_M
     }
 
-    /// Energy of the motion through the water, joules.
+    /// Kinetic energy through the water, joules.
     #[cfg(test)]
     pub(super) fn kinetic_j(&self, velocity: &BodyVelocity) -> f64 {
         let [u, v, _, p, q, _]: [f64; 6] = (*velocity).into();
@@ -228,7 +229,7 @@ impl Coefficients {
         0.5 * diagonal + self.coupling * (u * q - v * p)
     }
 
-    /// Energy of the centre of gravity's height; `down_z` is the cosine of the inclination from upright.
+    /// Potential energy of the centre of gravity, joules; `down_z` is the cosine of the inclination from upright.
     #[cfg(test)]
     pub(super) fn righting_j(&self, down_z: f64) -> f64 {
         self.righting_nm() * (1.0 - down_z)
@@ -239,10 +240,11 @@ impl Coefficients {
 mod tests {
     use super::*;
 
-    /// Fossen's function prints 31.9 kg. Prestero's thesis (tables of the final coefficients) measured or estimated for
-    /// his shorter vehicle: added mass in surge 0.93 kg, in sway 35.5 kg, mass 30.5 kg, inertia in pitch 3.45 and added
-    /// 4.88 kg m2, in roll 0.177 and 0.0704. Two roads to the same body: within a sixth for what is translation and
-    /// pitch, within a third in roll, where Fossen assumes a spheroid.
+    /// Fossen's function prints 31.9 kg. Prestero's thesis (tables of the final coefficients) has measured or estimated
+    /// values for his shorter vehicle: mass 30.5 kg, added mass 0.93 kg in surge and 35.5 kg in sway, inertia 3.45 kg
+    /// m2 in pitch with 4.88 added, 0.177 kg m2 in roll with 0.0704 added. These are two derivations for the same body.
+    /// They agree within a sixth for translation and pitch, and within a third for roll, where Fossen assumes a
+    /// spheroid.
     #[test]
     fn mass_agrees_with_both_publications() {
         let coefficients = Coefficients::remus_100();

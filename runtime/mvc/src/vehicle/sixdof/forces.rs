@@ -8,11 +8,11 @@ use super::coefficients::{Coefficients, LENGTH_M, STRIPS};
 /// (radians a second).
 pub(super) type BodyVelocity = Vector6<f64>;
 
-/// Rate of change of the velocity through the water, with the world's `down` in the body's axes, the `tail` where it is,
-/// and `excess_n` newtons more buoyancy than weight.
+/// Rate of change of the velocity through the water. `down` is the direction down in the body's axes, `tail` the state
+/// of the tail, and `excess_n` the buoyancy in excess of the weight, newtons.
 ///
-/// In an irrotational current that does not change, the equations in the velocity through the water are those in still
-/// water (Fossen 2021, section 8.1): nothing here knows of the current.
+/// In a constant irrotational current, the equations in the velocity through the water are those of still water (Fossen
+/// 2021, section 8.1). So nothing here depends on the current.
 pub(super) fn acceleration(
     coefficients: &Coefficients,
     velocity: &BodyVelocity,
@@ -30,7 +30,8 @@ pub(super) fn acceleration(
     divided_by_mass(coefficients, &force)
 }
 
-/// Excess of buoyancy over weight that floats the vehicle up level at `rise_mps`, newtons: what the water then pulls.
+/// Excess of buoyancy over weight with which the vehicle floats up at `rise_mps` while level, newtons. It equals the
+/// drag at that speed.
 pub(super) fn excess_for_rise(coefficients: &Coefficients, rise_mps: f64) -> f64 {
     let velocity = BodyVelocity::new(0.0, 0.0, -rise_mps.abs(), 0.0, 0.0, 0.0);
     let mut force = BodyVelocity::zeros();
@@ -43,14 +44,14 @@ pub(super) fn excess_for_rise(coefficients: &Coefficients, rise_mps: f64) -> f64
 /// Coriolis and centripetal forces of the body, in the form that does not use the linear velocity (Fossen 2021, section
 /// 3.3.1), and of the added mass.
 ///
-/// As published, the added mass's terms that couple surge with pitch and yaw, and sway and heave with them, are left out
-/// (among them the Munk moment): without quadratic damping of the rotation they make the model unstable. What is left out
-/// is skew-symmetric, so that the energy stays right.
+/// As published, the terms of the added mass that couple surge, sway and heave with pitch and yaw are left out, among
+/// them the Munk moment. Without quadratic damping of the rotation they make the model unstable. The omitted terms are
+/// skew-symmetric, so the energy balance stays right.
 fn inertial(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut BodyVelocity) {
     let [u, v, w, p, q, r]: [f64; 6] = (*velocity).into();
     let mass = coefficients.mass_kg;
     let below = coefficients.coupling / mass;
-    // Velocity of the centre of gravity, and the origin's, each crossed by the rotation.
+    // Velocity of the centre of gravity (`gu`, `gv`) and of the origin, each in a cross product with the rotation.
     let (gu, gv) = (u + q * below, v - p * below);
     force[0] -= mass * (q * w - r * gv);
     force[1] -= mass * (r * gu - p * w);
@@ -68,7 +69,7 @@ fn inertial(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut Bo
     force[5] -= (aq - ap) * p * q;
 }
 
-/// Linear damping; in surge and sway it fades with speed, where drag and cross-flow take over.
+/// Linear damping. In surge and sway it fades with growing speed, where drag and cross-flow take over.
 fn damping(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut BodyVelocity) {
     let [u, v, w, ..]: [f64; 6] = (*velocity).into();
     let faded = exp(-3.0 * (u * u + v * v + w * w).sqrt());
@@ -81,8 +82,9 @@ fn damping(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut Bod
 /// Lift and drag of the body in its vertical plane, as of a wing of low aspect ratio (Beard and McLain 2012, chapter
 /// 4).
 ///
-/// Published with the angle of attack a itself; here it is sin a cos a, the same within 1 % up to 7 degrees, and zero
-/// athwart, where a lift that grows with the angle has no meaning: a vehicle that floats up level is not driven forward.
+/// The published model uses the angle of attack a itself. This one uses sin a cos a, which is the same within 1 % up to
+/// 7 degrees, and zero at 90 degrees, where a lift that grows with the angle makes no sense. So a level vehicle that
+/// floats up is not driven forward.
 fn lift_and_drag(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut BodyVelocity) {
     let [u, v, w, ..]: [f64; 6] = (*velocity).into();
     let in_plane2 = u * u + w * w;
@@ -98,8 +100,8 @@ fn lift_and_drag(coefficients: &Coefficients, velocity: &BodyVelocity, force: &m
     force[2] -= pressure * (sin * drag + cos * lift);
 }
 
-/// Drag of the water that crosses the body, by strips (Fossen 2021, section 6.4), in the horizontal plane and, the body
-/// being round, likewise in the vertical one.
+/// Drag of the water that flows across the body, in strips (Fossen 2021, section 6.4). It acts in the horizontal plane
+/// and, because the body is round, in the same way in the vertical plane.
 fn cross_flow(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut BodyVelocity) {
     let [_, v, w, _, q, r]: [f64; 6] = (*velocity).into();
     let (mut sway, mut heave, mut pitch, mut yaw) = (0.0, 0.0, 0.0, 0.0);
@@ -132,7 +134,7 @@ fn tail_forces(coefficients: &Coefficients, velocity: &BodyVelocity, tail: Actua
     let turns = tail.propeller_rpm / 60.0;
     let propeller = coefficients.propeller;
     let speed = (u * u + v * v + w * w).sqrt();
-    // Braking knows no advance (as published).
+    // As published, braking does not depend on the advance.
     let lost = if turns > 0.0 { turns * speed } else { 0.0 };
     force[0] += propeller.thrust * turns.abs() * turns - propeller.thrust_lost * lost;
     force[3] += propeller.torque * turns.abs() * turns - propeller.torque_lost * lost;
@@ -146,7 +148,8 @@ fn tail_forces(coefficients: &Coefficients, velocity: &BodyVelocity, tail: Actua
     force[5] += coefficients.fins_aft_m * across;
 }
 
-/// The mass matrix's inverse in closed form: of its 36 elements symmetry leaves two blocks of two rows and two single ones.
+/// Multiplies by the inverse of the mass matrix in closed form. By symmetry, the 36 elements reduce to two blocks of 2
+/// by 2 and two single elements.
 fn divided_by_mass(coefficients: &Coefficients, force: &BodyVelocity) -> BodyVelocity {
     let [x, y, z, k, m, n]: [f64; 6] = (*force).into();
     let [mx, my, mz, mk, mm, mn] = coefficients.mass;

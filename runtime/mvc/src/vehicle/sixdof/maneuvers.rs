@@ -1,6 +1,6 @@
-//! The piloted vehicle's manoeuvres: what the autopilot makes of orders, and the limits that it keeps.
+//! Manoeuvres of the piloted vehicle: how the autopilot carries out orders, and the limits that it keeps.
 //!
-//! Requirements of this project, not published figures: those are in [`super::published`].
+//! The figures here are requirements of this project. The published ones are in [`super::published`].
 
 use backseat_plan::VehicleClass;
 use backseat_units::math::wrap_180;
@@ -39,7 +39,7 @@ fn vehicle(class: VehicleClass, depth_m: f64) -> Piloted {
     Piloted::new(Performance::of(class), 2.0, EastNorth::default(), depth_m, 0.0)
 }
 
-/// Flies at 10 Hz as the mock does and shows each step.
+/// Flies at 10 Hz, like the mock, and calls `each` after every step.
 fn fly(vehicle: &mut Piloted, orders: Orders, around: &Surroundings, seconds: u32, mut each: impl FnMut(f64, &Motion)) {
     for i in 1..=10 * seconds {
         vehicle.drive(&Helm::Under(orders), around, 0.1);
@@ -47,7 +47,7 @@ fn fly(vehicle: &mut Piloted, orders: Orders, around: &Surroundings, seconds: u3
     }
 }
 
-/// First time at which the response is past a share of the way, and the furthest past its end as a share of it.
+/// The times at which the response first reaches 10 % and 90 % of the step, and the overshoot as a share of the step.
 #[derive(Default)]
 struct Response {
     tenth_s: Option<f64>,
@@ -95,7 +95,7 @@ fn dives_to_a_depth_and_holds_it() {
             },
         );
         let motion = vehicle.motion();
-        // The body's own gain sets the pace: a first-order response rises in 2.2 time constants.
+        // The gain of the vehicle class sets the pace: a first-order response rises in 2.2 time constants.
         let pace_s = 2.2 / performance.depth_gain_per_s;
         assert!(
             (0.6 * pace_s..9.8 * pace_s).contains(&response.rise_s()),
@@ -189,7 +189,7 @@ fn holds_pitch_fins_and_turns_as_ordered() {
 #[test]
 fn altitude_follows_a_slope() {
     let mut vehicle = vehicle(VehicleClass::TwelveInch, 20.0);
-    // Up and down one in twenty towards the east.
+    // First up the slope to the east, which rises one in twenty, then down.
     for (heading_deg, seconds) in [(90.0, 200), (270.0, 300)] {
         let mut furthest_m = 0.0_f64;
         for i in 0..10 * seconds {
@@ -213,7 +213,7 @@ fn altitude_follows_a_slope() {
 }
 
 #[test]
-fn nothing_leads_beyond_its_own_limits() {
+fn no_demand_exceeds_the_limits() {
     let trims = [
         Trim::Depth(5000.0),
         Trim::Altitude(0.0),
@@ -258,7 +258,7 @@ fn nothing_leads_beyond_its_own_limits() {
 }
 
 #[test]
-fn held_it_stays_and_adrift_it_floats_up_with_the_current() {
+fn a_held_vehicle_stays_and_one_adrift_floats_up_with_the_current() {
     let mut vehicle = vehicle(VehicleClass::NineInch, 3.0);
     let around = Surroundings {
         current: (0.3, 0.0, 0.0),
@@ -335,8 +335,8 @@ fn the_same_orders_give_the_same_bits() {
 }
 
 #[test]
-fn comes_up_under_way_and_stays_up() {
-    // What a mission's wrap-up does: the surface is where GPS is, less than 0.3 m deep.
+fn surfaces_under_way_and_stays_up() {
+    // The wrap-up of a mission does this. At the surface means less than 0.3 m deep, where GPS works.
     for class in TORPEDOES {
         let mut vehicle = vehicle(class, 12.0);
         fly(
@@ -365,7 +365,7 @@ fn comes_up_under_way_and_stays_up() {
         );
         assert!(surfaced_s.is_some_and(|at_s| at_s < 90.0), "{class:?} {surfaced_s:?}");
         assert!(deepest_m < 0.3, "{class:?} {deepest_m}");
-        // And dives again from there.
+        // It can dive again from there.
         fly(
             &mut vehicle,
             orders(30.0, Trim::Depth(6.0), 1.5),
@@ -431,8 +431,8 @@ fn speed_is_reached_and_held_in_turns_and_dives() {
 }
 
 #[test]
-fn the_step_of_the_mock_matters_little() {
-    // 1, 10 and 100 steps a second: the same orders, the same place.
+fn the_length_of_the_step_matters_little() {
+    // With the same orders, 1, 10 and 100 steps a second lead to the same place.
     let fly_at = |hertz: u32| {
         let mut vehicle = vehicle(VehicleClass::TwelveInch, 5.0);
         for second in 0..180 {
@@ -452,7 +452,7 @@ fn the_step_of_the_mock_matters_little() {
 }
 
 #[test]
-fn orders_and_waters_that_are_no_numbers_leave_it_flying() {
+fn it_flies_on_after_orders_and_currents_that_are_not_finite() {
     let mut vehicle = vehicle(VehicleClass::NineInch, 10.0);
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for trim in [
@@ -494,7 +494,7 @@ fn orders_and_waters_that_are_no_numbers_leave_it_flying() {
     );
 }
 
-/// Flies a shape as the mission executive does, at 10 Hz in a cross current, and gives its distances off the line.
+/// Flies a shape as the mission executive does, at 10 Hz in a cross current. Returns the distances off the line.
 fn fly_shape(shape: Shape) -> Vec<f64> {
     let around = Surroundings {
         current: (0.25, -0.1, 0.0),

@@ -10,22 +10,22 @@ use crate::vehicle::performance::Performance;
 /// What moves the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Helm {
-    /// Held where it is: before its mission.
+    /// Held in place, before its mission.
     Held,
     /// Under its autopilot.
     Under(Orders),
-    /// Nothing: fins amidships, propeller stopped; it drifts and floats up.
+    /// Nothing moves it: fins amidships, propeller stopped. It drifts and floats up.
     Adrift,
 }
 
-/// What the autopilot is to hold, as a mission says it.
+/// What the autopilot must hold, as a mission gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Orders {
-    /// In the horizontal plane.
+    /// Horizontal.
     pub(crate) steering: Steering,
-    /// In the vertical plane.
+    /// Vertical.
     pub(crate) trim: Trim,
-    /// Along.
+    /// Forward.
     pub(crate) throttle: Throttle,
 }
 
@@ -42,21 +42,21 @@ pub(crate) enum Trim {
     Elevator(f64),
 }
 
-/// The sea where the vehicle is.
+/// The sea at the vehicle's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Surroundings {
     /// Depth of the water, metres; may be infinite.
     pub(crate) water_depth_m: f64,
-    /// Change of that depth, metres a metre eastward and northward.
+    /// Gradient of that depth, metres per metre, east and north.
     pub(crate) gradient: EastNorth,
     /// Velocity of the water, east, north, down, metres a second.
     pub(crate) current: (f64, f64, f64),
 }
 
-/// How the vehicle is and moves: what sensors and a judge look at.
+/// Position, attitude and motion of the vehicle, for sensors and the judge of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Motion {
-    /// Where it is in the world's frame.
+    /// Position in the world's frame.
     pub(crate) at: EastNorth,
     /// Metres, never negative.
     pub(crate) depth_m: f64,
@@ -82,13 +82,13 @@ pub(crate) struct Motion {
     pub(crate) ground: (f64, f64),
     /// Whether it lies on the seabed.
     pub(crate) grounded: bool,
-    /// Fins and propeller, where they are.
+    /// State of fins and propeller.
     pub(crate) tail: Actuators,
-    /// Fins and propeller, where they have been told to go.
+    /// Orders to fins and propeller.
     pub(crate) ordered: Actuators,
 }
 
-/// A body, its autopilot, and the limits that it keeps whatever it is asked.
+/// A body, its autopilot, and the limits that it keeps, whatever the orders are.
 #[derive(Clone, Debug)]
 pub(crate) struct Piloted {
     performance: Performance,
@@ -96,34 +96,36 @@ pub(crate) struct Piloted {
     body: SixDof,
     autopilot: Autopilot,
     ordered: Actuators,
-    /// As a share of the body's own.
+    /// As a share of the class's buoyant rise.
     rise_share: f64,
     held: bool,
     grounded: bool,
 }
 
-/// The slowest that this body steers and holds its depth, metres a second. Below about 0.7 the stern planes' own force
-/// lifts it more than the pitch that they make brings it down, and its buoyancy comes on top.
+/// The least speed at which this body steers and holds its depth, metres a second. Below about 0.7, the force of the
+/// stern planes lifts it more than the pitch that they cause brings it down, and its buoyancy adds to that.
 const STEERAGE_MPS: f64 = 1.0;
-/// The fastest that it goes, metres a second: a little less than all the propeller gives in a straight line.
+/// Its greatest speed, metres a second: a little less than the propeller can give in a straight line.
 const FASTEST_MPS: f64 = 2.4;
-/// How far under the speed limit the autopilot stays, metres a second: speed swings a little where the pitch changes.
+/// How far below the speed limit the autopilot stays, metres a second, because the speed varies a little when the pitch
+/// changes.
 const SPEED_RESERVE_MPS: f64 = 0.03;
-/// Turns of its propeller a minute for each metre a second: 2.5 m/s at 1525, as published.
+/// Turns of its propeller a minute for each metre a second. Published: 2.5 m/s at 1525.
 const RPM_PER_MPS: f64 = PROPELLER_MAX_RPM / 2.5;
-/// How far ahead the seabed's slope is heeded, seconds.
+/// How far ahead the vehicle takes the slope of the seabed into account, seconds.
 const LOOK_AHEAD_S: f64 = 10.0;
-/// Depth at which the vehicle is kept off its limits, because a body that dives does not stop at once: metres for each
-/// metre a second of its depth rate.
+/// The distance that the vehicle keeps from its greatest depth and its least altitude, because a diving body does not
+/// stop at once: metres for each metre a second of its depth rate.
 const LEVEL_OUT_S: f64 = 1.0;
 
-/// The narrowest turn, metres: hard over from full speed, while the way comes off. It settles at 19 and more.
+/// The smallest radius of a turn, metres: with hard rudder from full speed, while the speed drops. A steady turn has 19
+/// m and more.
 const TURN_RADIUS_M: f64 = 13.0;
 
-/// What a body can do with this body under it: its limits, as far as the body reaches them.
+/// The performance of a vehicle with this body: the limits of its class, as far as the body reaches them.
 ///
-/// Plans and requests are to be judged by these: slower than 1 m/s it does not hold its depth, and its turns are those
-/// of two thirds of its rudder. A body that hovers is not for this model.
+/// Plans and requests must be judged by these: below 1 m/s the vehicle does not hold its depth, and it turns with two
+/// thirds of its rudder. The model is not for hovering vehicles.
 #[must_use]
 pub(crate) fn flown(performance: &Performance) -> Performance {
     let speed_max_mps = performance.speed_max_mps.min(FASTEST_MPS);
@@ -144,8 +146,8 @@ pub(crate) fn flown(performance: &Performance) -> Performance {
 }
 
 impl Piloted {
-    /// At rest, with the limits of `performance` as far as the body reaches them ([`flown`]) and its least height over
-    /// the seabed, metres.
+    /// At rest, with the limits of `performance` as far as the body reaches them ([`flown`]), and with its least
+    /// altitude, metres.
     #[must_use]
     pub(crate) fn new(
         performance: &Performance,
@@ -168,14 +170,14 @@ impl Piloted {
         }
     }
 
-    /// The limits that it flies by.
+    /// The limits that it keeps.
     #[cfg(test)]
     pub(crate) const fn performance(&self) -> &Performance {
         &self.performance
     }
 
-    /// Sets how fast it floats up adrift, as a share of the body's buoyant rise; negative sinks. Its autopilot has to
-    /// make up for it under way.
+    /// Sets how fast it floats up when adrift, as a share of the class's buoyant rise; with a negative one it sinks.
+    /// Under way the autopilot has to compensate for it.
     pub(crate) fn float_at(&mut self, rise_share: f64) {
         if rise_share.to_bits() != self.rise_share.to_bits() {
             self.rise_share = rise_share;
@@ -183,14 +185,14 @@ impl Piloted {
         }
     }
 
-    /// Puts it on a seabed at `water_depth_m` if it is below that: whether it is there, and its depth.
+    /// Puts it on a seabed at `water_depth_m` if it is below that. Returns whether it is on the seabed, and its depth.
     pub(crate) fn ground_at(&mut self, water_depth_m: f64) -> (bool, f64) {
         self.grounded = self.body.ground_at(water_depth_m);
         (self.grounded, self.body.depth_m())
     }
 
-    /// One step of `dt_s` seconds. The autopilot steers at 50 Hz or more within it; the surroundings are those of its
-    /// begin.
+    /// One step of `dt_s` seconds. Within it, the autopilot steers at 50 Hz or more. The surroundings are those at the
+    /// begin of the step.
     pub(crate) fn drive(&mut self, helm: &Helm, around: &Surroundings, dt_s: f64) {
         if !dt_s.is_finite() || dt_s <= 0.0 {
             return;
@@ -228,7 +230,7 @@ impl Piloted {
         }
     }
 
-    /// How it is and moves. While it is held it has no velocity.
+    /// Its position, attitude and motion. While it is held, its velocity is zero.
     #[must_use]
     pub(crate) fn motion(&self) -> Motion {
         let (east_mps, north_mps, down_mps) = if self.held {
@@ -257,12 +259,12 @@ impl Piloted {
         }
     }
 
-    /// Depth of the water some time into the step, by the slope where it began.
+    /// The water depth some seconds into the step, computed with the slope at the begin of the step.
     fn water_depth_after(&self, around: &Surroundings, seconds: f64) -> f64 {
         around.water_depth_m + seconds * self.deepening_mps(around)
     }
 
-    /// How fast the water under it gets deeper.
+    /// How fast the water depth under the vehicle grows.
     fn deepening_mps(&self, around: &Surroundings) -> f64 {
         let (east_mps, north_mps, _) = self.body.ground_velocity();
         east_mps * around.gradient.east_m + north_mps * around.gradient.north_m

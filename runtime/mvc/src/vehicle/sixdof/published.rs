@@ -1,9 +1,10 @@
-//! The body against what is published of it.
+//! Compares the body with what is published about it.
 //!
-//! Published as a figure: 31.9 kg, and 2.5 m/s at 1525 turns a minute (`remus100.m`, Marine Systems Simulator). The rest
-//! are the published equations worked out by other means: written once more as full matrices with Euler angles in the
-//! velocity over ground (numpy, Runge-Kutta, 5 and 10 ms), the published fins' limit and lags, no code in common. What may
-//! differ: the lift at large angles of attack, which is ours ([`super::forces`]), and the integrators.
+//! Two figures are published: 31.9 kg, and 2.5 m/s at 1525 turns a minute (`remus100.m`, Marine Systems Simulator). The
+//! other references are solutions of the published equations by an independent program: it has full matrices with Euler
+//! angles in the velocity over ground (numpy, Runge-Kutta, 5 and 10 ms), the published limit and lags of the fins, and
+//! no code in common with this one. The two may differ in the lift at large angles of attack, which is ours
+//! ([`super::forces`]), and by the integrators.
 
 use backseat_units::EastNorth;
 use backseat_units::math::{exp, hypot, wrap_180};
@@ -37,7 +38,7 @@ fn near(what: &str, value: f64, wanted: f64, tolerance: f64) {
     );
 }
 
-/// Where a reference run was: north, east, down (metres), roll, pitch, heading (radians).
+/// Compares with a state of a reference run: north, east, down (metres), roll, pitch, heading (radians).
 fn near_track(what: &str, vehicle: &SixDof, reference: [f64; 6], metres: f64, degrees: f64) {
     let [north_m, east_m, down_m, roll, pitch, heading] = reference;
     near(what, vehicle.at().north_m, north_m, metres);
@@ -57,7 +58,7 @@ fn near_track(what: &str, vehicle: &SixDof, reference: [f64; 6], metres: f64, de
 fn terminal_speed_is_the_published_one() {
     let mut vehicle = neutral(50.0);
     run(&mut vehicle, tail(0.0, 0.0, 1525.0), STILL, 60.0);
-    // Published to one decimal; its equations balance at 2.540.
+    // The figure is published to one decimal; the equations balance at 2.540.
     near("speed at 1525", vehicle.velocity()[0], 2.5, 0.05);
     for (rpm, mps) in [
         (1525.0, 2.540_182),
@@ -80,7 +81,8 @@ fn propeller_heels_the_body_as_published() {
     }
 }
 
-/// Turns a minute, rudder in degrees; then speed, rate of turn in degrees a second, radius in metres, roll in degrees.
+/// Turns a minute and rudder in degrees; then speed in metres a second, rate of turn in degrees a second, radius in
+/// metres, roll in degrees.
 const CIRCLES: [[f64; 6]; 6] = [
     [1525.0, 5.0, 2.530_049, 3.791_660, 38.231_335, 1.974_710],
     [1525.0, 10.0, 2.513_163, 6.234_901, 23.093_873, 2.591_808],
@@ -103,7 +105,7 @@ fn steady_circles_are_the_published_equations() {
             near("speed", (u * u + v * v + w * w).sqrt(), mps, 0.002);
             near("rate of turn", side * rate_dps, dps, 0.003 * dps);
             near("radius", side * ground_mps / rate_dps.to_radians(), radius_m, 0.05);
-            // The propeller heels the body to one side: to port the roll is another.
+            // The propeller heels the body to one side, so the roll in a turn to port differs.
             if side > 0.0 {
                 near("roll", vehicle.roll_deg(), roll_deg, 0.01);
             }
@@ -112,8 +114,8 @@ fn steady_circles_are_the_published_equations() {
 }
 
 #[test]
-fn step_inputs_lead_where_they_lead_in_the_reference() {
-    // Fossen's demonstration of open loop: rudder 5 degrees for 100 s, stern planes -5 for 50 s, full propeller.
+fn step_inputs_give_the_track_of_the_reference() {
+    // Fossen's open-loop demonstration: rudder 5 degrees for 100 s, stern planes -5 degrees for 50 s, full propeller.
     let reference = [
         (5.0, [7.766_006, 0.389_288, 79.846_508, 0.034_348, 0.149_903, 0.209_157]),
         (
@@ -151,14 +153,15 @@ fn step_inputs_lead_where_they_lead_in_the_reference() {
         );
         run(&mut vehicle, command, STILL, at_s - now_s);
         now_s = at_s;
-        // 300 m flown: a centimetre and a hundredth of a degree.
+        // Over 300 m, the track agrees within a centimetre and a hundredth of a degree.
         near_track(&format!("after {at_s} s"), &vehicle, state, 0.01, 0.01);
     }
 }
 
 #[test]
 fn a_current_carries_as_in_the_reference() {
-    // 0.5 m/s towards 30 degrees and 0.1 m/s down, from rest in it; stern planes 3 degrees for 20 s, 1300 turns.
+    // 0.5 m/s towards 30 degrees and 0.1 m/s down, starting at rest in the water; stern planes 3 degrees for 20 s, 1300
+    // turns a minute.
     let angle = 30_f64.to_radians();
     let current = (
         0.5 * backseat_units::math::sin(angle),
@@ -195,9 +198,9 @@ fn a_current_carries_as_in_the_reference() {
 }
 
 #[test]
-fn depth_step_under_the_published_autopilot_is_the_reference_s() {
-    // Fossen's depth autopilot (successive loops, `SIMremus100.m`), 0 to 10 m at 1300 turns, sampled at 50 Hz: its low
-    // pass of 0.02 rad/s makes the dive slow and without overshoot.
+fn depth_step_under_the_published_autopilot_follows_the_reference() {
+    // Fossen's depth autopilot (successive loops, `SIMremus100.m`), from 0 to 10 m at 1300 turns a minute, sampled at
+    // 50 Hz. Its low-pass filter of 0.02 rad/s makes the dive slow and without overshoot.
     let reference = [
         (10.0, 0.954_100, -0.082_988),
         (25.0, 3.428_881, -0.068_515),
@@ -232,8 +235,8 @@ fn depth_step_under_the_published_autopilot_is_the_reference_s() {
 }
 
 #[test]
-fn righting_moment_rights_as_in_the_reference() {
-    // Let go at a roll of 30 and a pitch of 20 degrees, at rest.
+fn righting_moment_acts_as_in_the_reference() {
+    // Released at rest, with a roll of 30 and a pitch of 20 degrees.
     let mut vehicle = neutral(20.0);
     vehicle.state.attitude = attitude(30.0, 20.0);
     near("roll", vehicle.roll_deg(), 30.0, 1e-9);
@@ -252,7 +255,7 @@ fn righting_moment_rights_as_in_the_reference() {
     }
 }
 
-/// Heading north.
+/// An attitude with heading north.
 fn attitude(roll_deg: f64, pitch_deg: f64) -> super::attitude::Attitude {
     use backseat_units::math::sin_cos;
     let (sr, cr) = sin_cos(0.5 * roll_deg.to_radians());
@@ -261,7 +264,7 @@ fn attitude(roll_deg: f64, pitch_deg: f64) -> super::attitude::Attitude {
 }
 
 #[test]
-fn at_rest_and_neutral_it_stays_where_it_is() {
+fn a_neutral_vehicle_at_rest_stays_in_place() {
     let mut vehicle = SixDof::new(EastNorth::new(3.0, 4.0), 20.0, 123.0, 0.0);
     run(&mut vehicle, Actuators::default(), STILL, 600.0);
     assert_eq!(vehicle.at(), EastNorth::new(3.0, 4.0));
@@ -272,7 +275,7 @@ fn at_rest_and_neutral_it_stays_where_it_is() {
 
 #[test]
 fn without_a_propeller_energy_only_falls() {
-    // Forces that are skew-symmetric in the velocity do no work: a wrong sign in one of them would show here.
+    // Forces that are skew-symmetric in the velocity do no work. A wrong sign in one of them would show here.
     for case in 0..64_u32 {
         let part =
             |salt: u32| f64::from((case + 1).wrapping_mul(2_654_435_761).rotate_left(salt) % 2001) / 1000.0 - 1.0;
@@ -294,7 +297,7 @@ fn without_a_propeller_energy_only_falls() {
 
 #[test]
 fn at_fifty_hertz_the_integrator_is_stable_and_exact_enough() {
-    // The hardest manoeuvre that the tail can order, at 50 Hz, twice and ten times as fine.
+    // The hardest manoeuvre that the tail can do, with steps at 50 Hz, half and a tenth as long.
     let fly = |step_s: f64| {
         let mut vehicle = neutral(500.0);
         for i in 0..(60.0 / step_s).round() as u32 {
@@ -314,7 +317,7 @@ fn at_fifty_hertz_the_integrator_is_stable_and_exact_enough() {
 }
 
 #[test]
-fn water_carries_a_drifter_and_adds_to_what_is_under_way() {
+fn a_current_carries_a_drifter_and_adds_to_a_moving_vehicle() {
     let current = (0.4, -0.3, 0.0);
     let mut still = neutral(20.0);
     let mut carried = neutral(20.0);
@@ -334,11 +337,11 @@ fn water_carries_a_drifter_and_adds_to_what_is_under_way() {
 }
 
 #[test]
-fn a_new_current_takes_time_to_carry() {
+fn a_new_current_takes_time_to_carry_the_vehicle() {
     let mut vehicle = neutral(20.0);
     run(&mut vehicle, Actuators::default(), STILL, 1.0);
     run(&mut vehicle, Actuators::default(), (0.5, 0.0, 0.0), 0.02);
-    // Athwart: the body still stands over ground, and the water flows past it.
+    // The current comes from the side. At first the body stays at rest over ground, and the water flows past it.
     near("at once", vehicle.ground_velocity().0, 0.0, 0.02);
     run(&mut vehicle, Actuators::default(), (0.5, 0.0, 0.0), 120.0);
     near("in the end", vehicle.ground_velocity().0, 0.5, 0.05);
@@ -355,8 +358,8 @@ fn buoyancy_brings_it_to_the_surface_and_no_further() {
         least_m = least_m.min(vehicle.depth_m());
     }
     assert!(least_m >= 0.0 && vehicle.depth_m() < 0.05, "{}", vehicle.depth_m());
-    near("way on", hypot(vehicle.velocity()[0], vehicle.velocity()[1]), 0.0, 0.01);
-    // Under full power and nose up it does not fly either.
+    near("speed", hypot(vehicle.velocity()[0], vehicle.velocity()[1]), 0.0, 0.01);
+    // With full power and the nose up it does not leave the water either.
     let mut vehicle = SixDof::rising_at(EastNorth::default(), 5.0, 0.0, 0.1);
     for _ in 0..3000 {
         run(&mut vehicle, tail(0.0, -15.0, 1525.0), STILL, STEP_MAX_S);
@@ -365,7 +368,7 @@ fn buoyancy_brings_it_to_the_surface_and_no_further() {
 }
 
 #[test]
-fn no_order_and_no_water_makes_it_lose_its_numbers() {
+fn no_order_and_no_current_makes_its_state_nan() {
     let mut vehicle = neutral(20.0);
     for value in [f64::NAN, f64::INFINITY, -1e300] {
         run(&mut vehicle, tail(value, value, value), STILL, 1.0);
@@ -384,7 +387,7 @@ fn no_order_and_no_water_makes_it_lose_its_numbers() {
 }
 
 #[test]
-fn the_speed_that_the_propeller_is_set_for_is_the_one_that_it_makes() {
+fn the_propeller_reaches_the_speed_that_it_is_set_for() {
     let coefficients = Coefficients::remus_100();
     for mps in [0.6, 1.0, 1.7, 2.5] {
         let mut vehicle = neutral(50.0);
@@ -395,8 +398,9 @@ fn the_speed_that_the_propeller_is_set_for_is_the_one_that_it_makes() {
 }
 
 #[test]
-fn the_bits_are_the_same_everywhere() {
-    // Debug or release, one processor or another: elementary arithmetic and libm only.
+fn results_are_bit_identical_on_all_platforms() {
+    // The result is the same in debug and release builds and on all processors, because the code uses elementary
+    // arithmetic and libm only.
     let mut vehicle = SixDof::rising_at(EastNorth::default(), 20.0, 33.0, 0.1);
     run(&mut vehicle, tail(7.0, 4.0, 1400.0), (0.3, -0.2, 0.05), 30.0);
     let seen = [

@@ -1,4 +1,4 @@
-//! What only a hovering vehicle tells: its relative navigation is of the motion that BFNVG and BFNVR tell of.
+//! The messages of hovering vehicles alone: relative navigation has the motion that BFNVG and BFNVR have.
 
 use backseat_mvc::Activity;
 use backseat_units::EastNorth;
@@ -9,7 +9,7 @@ use super::log::heading_deg;
 use super::record::{Flight, Step};
 
 pub(super) fn check(flight: &Flight, exact: bool, worst: &mut Worst) {
-    // Without lock the velocity errs in ways that both have in common.
+    // Without bottom lock the velocity has errors that both messages share.
     ways(flight, if exact { 0.03 } else { 0.15 }, worst);
     if !exact {
         return;
@@ -21,7 +21,7 @@ pub(super) fn check(flight: &Flight, exact: bool, worst: &mut Worst) {
         if step.truth.activity == Activity::Suspended {
             on_mission_s = 0.0;
         }
-        // A servo comes home within 3 s.
+        // A servo returns to its place within 3 s.
         if let Some(servo) = &step.servo
             && on_mission_s > 4.5
         {
@@ -30,7 +30,7 @@ pub(super) fn check(flight: &Flight, exact: bool, worst: &mut Worst) {
     }
 }
 
-/// BFRNV and BFCNV against BFNVG.
+/// Compares BFRNV and BFCNV with BFNVG.
 fn relative(flight: &Flight, step: &Step, worst: &mut Worst) {
     let depth_m = step.navigation.depth.as_m();
     if let Some(cartesian) = &step.cartesian {
@@ -53,7 +53,7 @@ fn relative(flight: &Flight, step: &Step, worst: &mut Worst) {
     }
 }
 
-/// The way along x and y is that of BFNVR.
+/// Checks that the way along x and y is that of BFNVR.
 fn ways(flight: &Flight, most_m: f64, worst: &mut Worst) {
     for seconds in [5.0, 20.0] {
         for (first, last, sums) in flight.apart(seconds) {

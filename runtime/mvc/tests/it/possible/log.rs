@@ -1,5 +1,5 @@
-//! The Doppler log against BFNVG and BFNVR, and a hovering vehicle's against its servo. For flights whose navigation is
-//! exact.
+//! Compares the Doppler log with BFNVG and BFNVR, and that of a hovering vehicle with its servo, for flights whose
+//! navigation is exact.
 
 use backseat_units::math::{cos, sin, sin_cos};
 use backseat_units::utm_convergence_deg;
@@ -11,7 +11,8 @@ use super::record::{Flight, Step};
 const HALF_LENGTH_M: f64 = 15.0;
 const DRAFT_M: f64 = 5.0;
 
-/// The log's beams are 30 degrees from its axis, 45 degrees off ahead on both sides and aft, as it looks down.
+/// The direction of a beam of the log: 30 degrees from its axis. When the log looks down, the beams point 45 degrees to
+/// both sides of ahead and of aft.
 fn beam(number: usize, look_deg: f64) -> [f64; 3] {
     let azimuth = (45.0 + 90.0 * number as f64).to_radians();
     let [x, y, z] = [0.5 * cos(azimuth), 0.5 * sin(azimuth), cos(30.0_f64.to_radians())];
@@ -19,7 +20,7 @@ fn beam(number: usize, look_deg: f64) -> [f64; 3] {
     [x * cos + z * sin, y, z * cos - x * sin]
 }
 
-/// From the vehicle's axes into a level frame that points where it points.
+/// Turns a vector from the vehicle's axes into a level frame that has the vehicle's heading.
 fn level([x, y, z]: [f64; 3], step: &Step) -> [f64; 3] {
     let (sin, cos) = sin_cos(step.navigation.roll_deg.to_radians());
     let (y, z) = (y * cos - z * sin, y * sin + z * cos);
@@ -27,7 +28,7 @@ fn level([x, y, z]: [f64; 3], step: &Step) -> [f64; 3] {
     [x * cos + z * sin, y, z * cos - x * sin]
 }
 
-/// From true north, which is the frame's here: BFNVG counts from the grid's.
+/// The heading from true north, which is the frame's north here. BFNVG counts from grid north.
 pub(super) fn heading_deg(step: &Step) -> f64 {
     step.navigation.heading.as_deg() + utm_convergence_deg(step.navigation.position)
 }
@@ -52,7 +53,7 @@ fn check_step(flight: &Flight, step: &Step, worst: &mut Worst) {
             worst.look("log's velocity", measured - told, 0.004, flight, step);
         }
     }
-    // Torpedoes have no servo, and axes in place of beams.
+    // Torpedoes have no servo, and BFDV2 has axes instead of beams.
     let (Some(beams), Some(servo)) = (&step.beams, &step.servo) else {
         return;
     };
@@ -65,7 +66,7 @@ fn check_step(flight: &Flight, step: &Step, worst: &mut Worst) {
         let (Some(range_m), Some(relative)) = (dvl.ranges_m[number], &step.relative) else {
             continue;
         };
-        // Where it ends: on the side that is inspected, or on the bottom.
+        // The beam ends on the inspected side of the ship, or on the bottom.
         let (sin, cos) = sin_cos(relative.heading_deg.to_radians());
         let towards_m = range_m * (along[0] * cos - along[1] * sin);
         let aside_m = relative.horizontal_m + range_m * (along[0] * sin + along[1] * cos);
@@ -80,7 +81,7 @@ fn check_step(flight: &Flight, step: &Step, worst: &mut Worst) {
                 step,
             );
         }
-        // Straight ahead of the ship's side the bottom is what is down there.
+        // In front of the ship's side, a beam of a log that looks down ends on the bottom.
         if let Some(altitude) = step.navigation.altitude
             && servo.dvl_deg < -89.0
             && relative.depth_m + down_m > DRAFT_M + 0.1

@@ -1,4 +1,4 @@
-//! Missions and payloads that are drawn: everything that makes a vehicle change how it moves.
+//! Drawn missions and payloads, with everything that makes a vehicle change its motion.
 
 use backseat_world::Stream;
 
@@ -25,7 +25,7 @@ impl Kind {
         }
     }
 
-    /// The slowest and the fastest that its plans go, metres a second.
+    /// The slowest and the fastest speed of its plans, in metres a second.
     fn speeds(self) -> (f64, f64) {
         match self {
             Self::NineInch | Self::TwelveInch | Self::TwentyOneInch => (0.5, 2.3),
@@ -35,12 +35,12 @@ impl Kind {
     }
 }
 
-/// One of a list.
+/// Draws one of a list.
 fn one<T: Copy>(stream: &mut Stream, of: &[T]) -> T {
     of[(stream.uniform() * of.len() as f64) as usize % of.len()]
 }
 
-/// The `[sensors]` of a vehicle whose navigation is exact: what is left is its motion.
+/// The `[sensors]` of a vehicle whose navigation is exact, so that only its motion is left.
 const EXACT: &str = "[sensors]\nposition_noise_m = 0\nposition_drift_m_per_sqrt_h = 0\ndepth_noise_m = 0
 heading_noise_deg = 0\nattitude_noise_deg = 0\nvelocity_noise_mps = 0\naltitude_noise_m = 0
 altitude_dropouts_per_h = 60\n[sensors.ins]\nheading_bias_deg = 0\nvelocity_walk_mps_per_sqrt_s = 0\n[sensors.dvl]\nscale_error = 0
@@ -97,7 +97,7 @@ pub(super) fn world(kind: Kind, exact: bool, hz: u32, seed: u64) -> String {
     text
 }
 
-/// Below the ship's keel, or beside it; or anywhere.
+/// A drawn place: for a hovering vehicle one beside the ship, for the others any.
 fn place(stream: &mut Stream, kind: Kind) -> String {
     let (east_m, north_m) = match kind {
         Kind::Hovering => (stream.uniform_in(-25.0, 25.0), stream.uniform_in(-25.0, -8.0)),
@@ -146,7 +146,7 @@ fn element(stream: &mut Stream, kind: Kind) -> String {
 pub(super) struct Said {
     pub(super) sentence: String,
     pub(super) for_s: u32,
-    /// It moves the navigation.
+    /// Whether the sentence moves the navigation.
     pub(super) fixes: bool,
 }
 
@@ -243,7 +243,7 @@ fn hover(stream: &mut Stream) -> String {
     }
 }
 
-/// Says it, and for a hovering vehicle what it needs before.
+/// Sends the sentence, and before it what a hovering vehicle needs first.
 pub(super) fn speak(payload: &mut Payload, said: &Said) {
     if said.sentence.starts_with("$BPG") || said.sentence.starts_with("$BPCON") {
         payload.say("$BPSUS,070000.000");

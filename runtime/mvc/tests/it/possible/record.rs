@@ -1,4 +1,4 @@
-//! A flight as a payload hears it and as it is, step by step.
+//! A flight step by step, as a payload receives it and as it is in truth.
 
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ pub(super) struct Step {
     pub(super) at_s: f64,
     pub(super) navigation: Navigation,
     pub(super) velocity: VelocityAndRates,
-    /// Where BFNVG says that it is, in the world's frame.
+    /// The place in BFNVG, in the world's frame.
     pub(super) place: EastNorth,
     pub(super) truth: Truth,
     /// In how many steps up to this one a fix may have moved the navigation.
@@ -41,10 +41,10 @@ pub(super) struct Flight {
     sums: Vec<Sums>,
 }
 
-/// What was integrated up to a step, by the means of what each step and the one before have told.
+/// What was integrated up to a step. Each part is the mean of the values in that step and in the one before.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
-    /// By BFNVR.
+    /// The way by BFNVR.
     pub(super) way: EastNorth,
     pub(super) true_way: EastNorth,
     pub(super) sunk_m: f64,
@@ -69,7 +69,7 @@ impl Step {
 }
 
 impl Flight {
-    /// Its steps that are so many seconds after another: that one, this one, and what was integrated between them.
+    /// The pairs of steps that are this many seconds apart, and what was integrated between the two.
     pub(super) fn apart(&self, seconds: f64) -> impl Iterator<Item = (&Step, &Step, Sums)> {
         let steps = (seconds / self.dt_s).round() as usize;
         let between = |from: &Sums, to: &Sums| Sums {
@@ -86,7 +86,7 @@ impl Flight {
     }
 }
 
-/// Flies a drawn mission with a drawn payload for so many seconds.
+/// Flies a drawn mission with a drawn payload for this many seconds.
 pub(super) fn drawn(kind: Kind, exact: bool, hz: u32, seed: u64, seconds: u32) -> Flight {
     let mut stream = Stream::new(seed, "possible payload");
     let (mut next_s, mut id) = (5, 0);
@@ -108,7 +108,7 @@ pub(super) fn drawn(kind: Kind, exact: bool, hz: u32, seed: u64, seconds: u32) -
     })
 }
 
-/// Flies a mission while a payload acts at each second; it says whether it gives a fix then.
+/// Flies a mission while a payload acts at each second. `acts` returns whether the payload gives a fix then.
 pub(super) fn flown(
     text: &str,
     name: String,
@@ -151,7 +151,7 @@ pub(super) fn flown(
     }
 }
 
-/// What the newest step has told.
+/// The newest step, as the payload received it.
 fn heard(payload: &mut Payload) -> Step {
     let (mut navigation, mut velocity) = (None, None);
     let (mut dvl, mut beams, mut servo, mut relative, mut cartesian) = (None, None, None, None, None);

@@ -1,7 +1,7 @@
 use super::Step::{Becomes, Forget, Hear, Is, Never, Say, Until};
 use super::{Section, World};
 
-/// A line of 180 m beside the plan's, and one far away.
+/// Lines of 18 m beside the plan's, with different identifiers. Two of them interrupt.
 const LINE_11: &str = "$BPRTK,070000.000,11,4218.05,N,07053.98,W,4218.06,N,07053.98,W,0,10,2,0,0";
 const LINE_12: &str = "$BPRTK,070000.000,12,4218.05,N,07053.98,W,4218.06,N,07053.98,W,0,10,2,0,0";
 const LINE_13_INTERRUPTS: &str = "$BPRTK,070000.000,13,4218.05,N,07053.98,W,4218.06,N,07053.98,W,0,10,2,0,4";
@@ -76,7 +76,7 @@ pub(crate) const SECTIONS: &[Section] = &[
             Say(LINE_12),
             Hear("$BFACK,080005.000,RTK,070000.000,12,2,0,"),
             Until(300.0),
-            // The remaining ones are completed as well, then the vehicle proceeds to the next behavior.
+            // The remaining inserts are completed as well; then the vehicle proceeds to the next behavior.
             Hear("$BFMBS,080"),
             Hear("$BFMBS,080"),
         ],

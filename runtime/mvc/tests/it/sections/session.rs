@@ -29,7 +29,7 @@ pub(crate) const SECTIONS: &[Section] = &[
             Hear("$BFACK,080000.000,MSG,070000.000,0,2,0,"),
             Say("$BPMSG,070000.000,a*34"),
             Never("$BFACK"),
-            // A field more than the section has is none of the vehicle's business.
+            // The vehicle ignores a field that the section does not have.
             Say("$BPEMB,070000.000,what may come one day"),
             Hear("$BFACK,080000.000,EMB,070000.000,0,2,0,"),
         ],

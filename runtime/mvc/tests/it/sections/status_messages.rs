@@ -8,7 +8,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         says: "has the UTM convergence factor applied",
         world: World::Calm,
         on: &["NVG"],
-        // Two degrees west of its zone's middle the grid's north lies 1.28 degrees east of true north there.
+        // Two degrees west of its zone's middle, grid north lies 1.28 degrees west of true north.
         talk: &[
             Until(1.0),
             Hear("$BFNVG,080001.000,4218.00000"),

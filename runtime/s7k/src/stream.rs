@@ -25,6 +25,9 @@ pub struct StreamReader {
     at: usize,
     /// The packet whose data are being read, and where they end in `buffer`.
     packet: Option<(NetworkHeader, usize)>,
+    /// What was wrong where reading failed, while it looks for the next start; and the first place in the rest where that
+    /// may be.
+    lost: Option<(StreamError, usize)>,
     transmissions: Vec<Transmission>,
     /// The last record that was put together from fragments.
     assembled: Vec<u8>,
@@ -131,6 +134,7 @@ impl StreamReader {
             buffer: Vec::new(),
             at: 0,
             packet: None,
+            lost: None,
             transmissions: Vec::new(),
             assembled: Vec::new(),
             counts: StreamCounts {
@@ -205,6 +209,9 @@ impl StreamReader {
 
     /// Reads at a place where a packet, or a record without one, should begin. `None` waits for more bytes.
     fn boundary(&mut self) -> Option<Taken> {
+        if let Some((why, from)) = self.lost {
+            return self.find_start(why, from);
+        }
         let rest = &self.buffer[self.at..];
         let start = rest.first_chunk::<8>()?;
         let offset = u16::from_le_bytes([start[2], start[3]]);
@@ -217,7 +224,7 @@ impl StreamReader {
                     Some(Taken::Found(Found::Buffered(range)))
                 }
                 Err(FrameError::Incomplete { .. }) => None,
-                Err(error) => Some(self.resynchronise(error.into())),
+                Err(error) => self.find_start(error.into(), 1),
             };
         }
         match NetworkHeader::check(rest, self.limit) {
@@ -229,28 +236,47 @@ impl StreamReader {
                 Some(Taken::Nothing)
             }
             Err(NetworkError::Incomplete { .. }) => None,
-            Err(error) => Some(self.resynchronise(error.into())),
+            Err(error) => self.find_start(error.into(), 1),
         }
     }
 
-    /// Skips to the next place where a packet or a record may begin.
-    fn resynchronise(&mut self, why: StreamError) -> Taken {
+    /// Skips to the next place where a packet or a record begins, `from` bytes on or later. Only a sync pattern shows such
+    /// a place, so that what is found does not depend on how much was received at once.
+    fn find_start(&mut self, why: StreamError, from: usize) -> Option<Taken> {
         let rest = &self.buffer[self.at..];
-        let start = Finder::new(&PATTERN).find_iter(rest).find_map(|sync| {
-            let frame = sync.checked_sub(4)?;
-            let packet = frame.checked_sub(NetworkHeader::SIZE);
+        self.lost = Some((why, from));
+        let mut skipped = None;
+        for sync in Finder::new(&PATTERN).find_iter(rest) {
+            let packet = sync.checked_sub(BEFORE_SYNC).filter(|at| *at >= from);
             let packet = packet.filter(|at| NetworkHeader::check(&rest[*at..], self.limit).is_ok());
-            let frame = Some(frame).filter(|at| {
-                !matches!(read_header(&rest[*at..], self.limit), Err(error)
-                if !matches!(error, FrameError::Incomplete { .. }))
-            });
-            // Byte 0 is where reading failed.
-            packet.or(frame).filter(|at| *at > 0)
-        });
-        // Without one, a pattern may still begin in the last bytes, and its packet as far before it.
-        let skipped = start.unwrap_or_else(|| rest.len().saturating_sub(BEFORE_SYNC + PATTERN.len() - 1).max(1));
-        self.at += skipped;
-        Taken::Found(Found::Skipped(skipped, why))
+            let frame = sync.checked_sub(4).filter(|at| *at >= from);
+            match (packet, frame.map(|at| read_header(&rest[at..], self.limit))) {
+                (Some(at), _) => skipped = Some(at),
+                (None, Some(Ok(_))) => skipped = frame,
+                // The next bytes decide.
+                (None, Some(Err(FrameError::Incomplete { .. }))) => return None,
+                (None, Some(Err(_)) | None) => continue,
+            }
+            break;
+        }
+        let bytes = match skipped {
+            Some(bytes) => {
+                self.lost = None;
+                bytes
+            }
+            // A pattern may still begin in the last bytes, and its packet as far before it.
+            None => {
+                let bytes = rest.len().saturating_sub(BEFORE_SYNC + PATTERN.len() - 1);
+                self.lost = Some((why, from.saturating_sub(bytes)));
+                bytes
+            }
+        };
+        self.at += bytes;
+        match (bytes, self.lost) {
+            (0, Some(_)) => None,
+            (0, None) => Some(Taken::Nothing),
+            _ => Some(Taken::Found(Found::Skipped(bytes, why))),
+        }
     }
 
     /// Reads the next record, or part of one, from a packet's data.

@@ -60,4 +60,29 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn every_record_names_its_parts_and_a_test_that_exists() {
+        let parts: BTreeSet<&str> = layouts().map(|layout| layout.name).collect();
+        let tests = include_str!("record/tests.rs");
+        for record in crate::record::RECORD_TYPES {
+            assert!(
+                record.layouts.iter().all(|part| parts.contains(part)),
+                "{}",
+                record.number
+            );
+            assert!(
+                tests.contains(&format!("#[test]\nfn {}()", record.test)),
+                "{}",
+                record.number
+            );
+        }
+        let named: BTreeSet<&str> = crate::record::RECORD_TYPES
+            .iter()
+            .flat_map(|record| record.layouts)
+            .copied()
+            .collect();
+        let frames = BTreeSet::from(["Time7k", "FrameHeader", "NetworkHeader"]);
+        assert_eq!(&parts - &frames, named, "a part that belongs to no record");
+    }
 }

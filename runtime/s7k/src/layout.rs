@@ -51,6 +51,8 @@ pub struct Layout {
     pub size: usize,
     /// Its fields, in order, without gaps.
     pub fields: &'static [LayoutField],
+    /// The test that any bytes survive reading and writing.
+    pub test: &'static str,
 }
 
 /// A field of a [`Layout`].
@@ -143,6 +145,7 @@ macro_rules! layouts {
                             range: $range,
                         }
                     ),*],
+                    test: concat!(module_path!(), "::layouts::", stringify!($test)),
                 };
 
                 /// Reads it from the start of `bytes`. Every bit pattern is accepted: see [`Self::faults`].

@@ -47,6 +47,8 @@ pub struct TextEntry {
     pub fields: &'static [TextField],
     /// A text as it lies in a record.
     pub example: &'static str,
+    /// The test that any values survive their text.
+    pub test: &'static str,
 }
 
 /// A parameter of a text.

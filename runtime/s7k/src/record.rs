@@ -65,6 +65,10 @@ pub struct RecordType {
     pub title: &'static str,
     /// Where it is specified.
     pub source: &'static str,
+    /// Its fixed parts, by their types.
+    pub layouts: &'static [&'static str],
+    /// The test that reads and rewrites it.
+    pub test: &'static str,
 }
 
 /// The types of records that are decoded.
@@ -73,46 +77,69 @@ pub const RECORD_TYPES: &[RecordType] = &[
         number: 3000,
         title: "EdgeTech FS-DW sidescan",
         source: "Volume III, 2.2",
+        layouts: &["ImageryHeader", "ChannelHeader", "SideScanHeader"],
+        test: "sidescan_is_read_in_both_layouts_of_its_header",
     },
     RecordType {
         number: 3001,
         title: "EdgeTech FS-DW sub-bottom profile",
         source: "Volume III, 2.3",
+        layouts: &["ImageryHeader", "ChannelHeader", "SegyHeader"],
+        test: "samples_have_the_type_that_the_header_says",
     },
     RecordType {
         number: 3100,
         title: "framed Bluefin data",
         source: "Volume III, 2.4",
+        layouts: &[
+            "BluefinHeader",
+            "BluefinFrameHeader",
+            "NavigationFrame",
+            "EnvironmentFrame",
+        ],
+        test: "vehicle_data_are_written_and_read_frame_by_frame",
     },
     RecordType {
         number: 7200,
         title: "file header",
         source: "Volume I, 7200",
+        layouts: &["FileHeader", "FileDevice", "CatalogLocation"],
+        test: "every_type_cut_at_every_byte_is_an_error_or_a_shorter_record",
     },
     RecordType {
         number: 7300,
         title: "file catalogue",
         source: "Volume I, 7300",
+        layouts: &["CatalogHeader", "CatalogEntry"],
+        test: "every_type_cut_at_every_byte_is_an_error_or_a_shorter_record",
     },
     RecordType {
         number: 7400,
         title: "time message",
         source: "Volume I, 7400",
+        layouts: &["TimeMessage"],
+        test: "every_type_cut_at_every_byte_is_an_error_or_a_shorter_record",
     },
     RecordType {
         number: 11_000,
         title: "payload controller command",
         source: "Volume III, 2.5",
+        layouts: &["CommandHeader"],
+        test: "commands_acknowledgements_and_messages_are_read",
     },
     RecordType {
         number: 11_001,
         title: "payload controller command acknowledge",
         source: "Volume III, 2.6",
+        layouts: &["Acknowledge"],
+        test: "commands_acknowledgements_and_messages_are_read",
     },
     RecordType {
         number: 11_002,
         title: "payload controller alarm or status",
         source: "Volume III, 2.7",
+        layouts: &["MessageHeader"],
+        test: "commands_acknowledgements_and_messages_are_read",
     },
 ];
 

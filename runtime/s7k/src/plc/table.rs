@@ -113,6 +113,7 @@ macro_rules! texts {
                     }
                 ),*],
                 example: $example,
+                test: concat!(module_path!(), "::table::every_row_survives_its_text"),
             }
         ),*];
 

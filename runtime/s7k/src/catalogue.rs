@@ -1,6 +1,7 @@
 //! Everything that this crate knows of the format, as data.
 
 use crate::layout::Layout;
+use crate::wire::CodeTable;
 use crate::{frame, network, record, time};
 
 /// Every fixed part of frames and records, with its fields.
@@ -9,6 +10,11 @@ pub fn layouts() -> impl Iterator<Item = &'static Layout> {
         .into_iter()
         .chain(record::LAYOUTS)
         .flatten()
+}
+
+/// Every enumeration on the wire.
+pub fn codes() -> impl Iterator<Item = &'static CodeTable> {
+    record::CODES.into_iter().chain([crate::plc::CODES]).flatten()
 }
 
 #[cfg(test)]

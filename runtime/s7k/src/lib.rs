@@ -21,7 +21,7 @@ mod stream;
 mod time;
 mod wire;
 
-pub use catalogue::layouts;
+pub use catalogue::{codes, layouts};
 pub use checksum::{BluefinChecksum, byte_sum};
 pub use device::{DeviceId, SensorIndex};
 pub use frame::{
@@ -31,4 +31,4 @@ pub use layout::{FieldFault, Layout, LayoutField, Range, Truncated};
 pub use network::{NetworkError, NetworkHeader};
 pub use stream::{StreamCounts, StreamError, StreamItem, StreamReader};
 pub use time::Time7k;
-pub use wire::{Chars, Reserved};
+pub use wire::{Chars, CodeTable, Reserved};

@@ -79,5 +79,7 @@ pub fn texts() -> impl Iterator<Item = &'static TextEntry> {
         .flatten()
 }
 
+pub(crate) use command::CODES;
+
 #[cfg(test)]
 mod tests;

@@ -254,6 +254,9 @@ impl<'a> Record<'a> {
     }
 }
 
+/// The enumerations of all records, in their order.
+pub(crate) const CODES: [&[crate::CodeTable]; 4] = [imagery::CODES, edgetech::CODES, bluefin::CODES, controller::CODES];
+
 /// The layouts of all records, in their order.
 pub(crate) const LAYOUTS: [&[Layout]; 5] = [
     imagery::LAYOUTS,

@@ -153,12 +153,33 @@ pub(crate) fn before_nul(bytes: &[u8]) -> &[u8] {
     &bytes[..end]
 }
 
+/// An enumeration on the wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct CodeTable {
+    /// The name of this crate's type.
+    pub name: &'static str,
+    /// Its type on the wire.
+    pub wire: &'static str,
+    /// The codes that the specification names, with the names of their variants.
+    pub values: &'static [(i64, &'static str)],
+}
+
 /// Enumerations on the wire. A code that the specification does not name is kept in `Other`.
 macro_rules! codes {
     ($(
         $(#[$doc:meta])*
         pub enum $Code:ident: $number:ty { $( $(#[$variant_doc:meta])* $value:literal $Variant:ident, )* }
-    )*) => { $(
+    )*) => {
+        /// The enumerations of this module, in its order.
+        pub(crate) const CODES: &[$crate::CodeTable] = &[$(
+            $crate::CodeTable {
+                name: stringify!($Code),
+                wire: stringify!($number),
+                values: &[$( ($value, stringify!($Variant)) ),*],
+            }
+        ),*];
+
+        $(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
         #[serde(rename_all = "snake_case")]
@@ -211,7 +232,8 @@ macro_rules! codes {
                 !matches!(self, Self::Other(_))
             }
         }
-    )* };
+    )*
+    };
 }
 
 pub(crate) use codes;

@@ -1,8 +1,8 @@
 use std::fmt::Write as _;
 
-use backseat_s7k::layouts;
 use backseat_s7k::plc::{TextKind, texts};
-use backseat_s7k::record::RECORD_TYPES;
+use backseat_s7k::record::{EnvironmentField, NavigationField, RECORD_TYPES};
+use backseat_s7k::{codes, layouts};
 
 /// The page with every record, field, command, status and alarm of the 7k format, from the catalogue of the crate.
 pub(crate) fn page() -> String {
@@ -53,6 +53,40 @@ pub(crate) fn page() -> String {
                 ],
             );
         }
+    }
+    page.push_str("\n## Codes\n\nOther codes are kept as they are.\n\n| enumeration | type | codes |\n|---|---|---|\n");
+    for table in codes() {
+        let values: Vec<String> = table
+            .values
+            .iter()
+            .map(|(code, name)| format!("{code} {name}"))
+            .collect();
+        line(
+            &mut page,
+            &[&format!("`{}`", table.name), table.wire, &values.join(", ")],
+        );
+    }
+    page.push_str("\n## Quality bits\n\n| frame | source | bits, from the least significant |\n|---|---|---|\n");
+    let navigation = NavigationField::ALL
+        .iter()
+        .map(|field| (field.bit(), format!("{field:?}")));
+    let environment = EnvironmentField::ALL
+        .iter()
+        .map(|field| (field.bit(), format!("{field:?}")));
+    for (frame, source, bits) in [
+        (
+            "`NavigationFrame`",
+            NavigationField::SOURCE,
+            navigation.collect::<Vec<_>>(),
+        ),
+        (
+            "`EnvironmentFrame`",
+            EnvironmentField::SOURCE,
+            environment.collect::<Vec<_>>(),
+        ),
+    ] {
+        let bits: Vec<String> = bits.iter().map(|(bit, name)| format!("{bit} {name}")).collect();
+        line(&mut page, &[frame, source, &bits.join(", ")]);
     }
     for (kind, title) in KINDS {
         let _ = write!(

@@ -15,6 +15,7 @@ mod safety;
 mod sea;
 mod seeds;
 mod soak;
+mod sonar_page;
 mod steps;
 mod tests;
 mod tidy;

@@ -9,7 +9,7 @@ use crate::safety::safety;
 use crate::sea::sea;
 
 /// The crates on which each crate must never depend: the arrows of `runtime/docs/architecture.md`.
-const NEVER: [(&str, &[&str]); 15] = [
+const NEVER: [(&str, &[&str]); 16] = [
     (
         "units",
         &[
@@ -23,6 +23,10 @@ const NEVER: [(&str, &[&str]); 15] = [
             "recorder",
             "plugin-host",
         ],
+    ),
+    (
+        "s7k",
+        &["spi", "fence", "core", "world", "mvc", "oracle", "sim", "tokio"],
     ),
     ("spi", &["fence", "core", "world", "mvc", "oracle", "sim", "tokio"]),
     ("fence", &["spi", "core", "world", "mvc", "oracle", "sim", "tokio"]),

@@ -89,8 +89,8 @@ fn record(frame: &Frame<'_>) {
     }
 }
 
-/// Reads a text as the command, status or alarm that its first byte names. What is read must be written so that it is
-/// read as the same.
+/// Reads a text as the command, status or alarm that its first byte names. What is read and written is read and written
+/// as the same text.
 pub fn s7k_text(data: &[u8]) {
     let Some((first, text)) = data.split_first() else {
         return;
@@ -99,47 +99,25 @@ pub fn s7k_text(data: &[u8]) {
     let id = i32::from(*first % 32);
     for action in [Action::Set, Action::Get] {
         let command = CommandId::from(u32::from(*first % 32));
-        if let Ok(order) = Order::read(command, action, &text) {
-            again(
-                |out| order.write(out),
-                |text| Order::read(command, action, text).is_ok_and(|again| again == order),
-            );
-        }
+        again(&text, |text, out| {
+            Order::read(command, action, text).ok()?.write(out).ok()
+        });
     }
-    if let Ok(generic) = Generic::read(&text) {
-        again(|out| generic.write(out), |text| same(&Generic::read(text), &generic));
-    }
-    if let Some(Ok(status)) = Status::read(id, &text) {
-        again(
-            |out| status.write(out),
-            |text| Status::read(id, text).is_some_and(|again| same(&again, &status)),
-        );
-    }
-    if let Some(Ok(alarm)) = Alarm::read(id, &text) {
-        again(
-            |out| alarm.write(out),
-            |text| Alarm::read(id, text).is_some_and(|again| again.as_ref() == Ok(&alarm)),
-        );
-    }
+    again(&text, |text, out| Generic::read(text).ok()?.write(out).ok());
+    again(&text, |text, out| Status::read(id, text)?.ok()?.write(out).ok());
+    again(&text, |text, out| Alarm::read(id, text)?.ok()?.write(out).ok());
 }
 
-/// What can be written is read as the same.
-fn again<E>(write: impl Fn(&mut String) -> Result<(), E>, read: impl Fn(&str) -> bool) {
-    let mut text = String::new();
-    if write(&mut text).is_ok() {
-        assert!(read(&text), "{text:?}");
+/// Reads a text and writes what was read, twice.
+fn again(text: &str, rewrite: impl Fn(&str, &mut String) -> Option<()>) {
+    let (mut first, mut second) = (String::new(), String::new());
+    if rewrite(text, &mut first).is_some() {
+        assert!(
+            rewrite(&first, &mut second).is_some(),
+            "{first:?} was written and cannot be read"
+        );
+        assert_eq!(first, second);
     }
-}
-
-/// Equal but for decimals that the text does not carry: the texts are compared.
-fn same<T: core::fmt::Debug, E>(again: &Result<T, E>, first: &T) -> bool {
-    let rounded = |value: &dyn core::fmt::Debug| {
-        let text = format!("{value:?}");
-        text.split_inclusive(['.', ',', ' '])
-            .filter(|part| !part.starts_with(|digit: char| digit.is_ascii_digit()))
-            .collect::<String>()
-    };
-    again.as_ref().is_ok_and(|again| rounded(again) == rounded(first))
 }
 
 /// Reads a file in memory, from a source in pieces, and by its index. All must find the same records.

@@ -14,7 +14,8 @@ pub struct SideScanSettings {
     pub pulse_s: f64,
     /// Transmitted power over the greatest, 0 to 1. At 0 the sonar hears noise alone.
     pub power: f64,
-    /// Gain of the receiver, decibels, -120 to 120, on top of the gain that grows with time: see [`Self::tvg_db`].
+    /// Gain of the receiver, decibels, -120 to 120, on top of the gain that grows with time: see
+    /// [`SideScan::tvg_db`](crate::SideScan::tvg_db).
     pub gain_db: f64,
     /// Number of samples for each side, 1 to 16384. They divide the range evenly; a sample has the slant range of its
     /// middle.

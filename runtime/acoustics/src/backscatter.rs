@@ -30,14 +30,14 @@ impl Coefficients {
 }
 
 /// Lambert's law: the power that a unit of area scatters back goes with the square of the sine of the grazing angle, and
-/// the coefficient is that of the texture. Urick, *Principles of Underwater Sound* (McGraw-Hill 1983), section 8.13.
+/// the coefficient is that of the texture. Urick, *Principles of Underwater Sound* (McGraw-Hill 1983).
 pub(crate) fn lambert(sin_grazing: f64) -> f64 {
     sin_grazing * sin_grazing
 }
 
 /// Reflection from facets near the vertical, over the reflected part of the power: sec⁴ θ exp(-tan² θ / (2 s²)) / (8 π
 /// s²) at the angle of incidence θ with facets of the root mean square slope s. That is the high-frequency limit of the
-/// Kirchhoff approximation: Jackson and Richardson, *High-Frequency Seafloor Acoustics* (Springer 2007), chapter 13. With
+/// Kirchhoff approximation: Jackson and Richardson, *High-Frequency Seafloor Acoustics* (Springer 2007). With
 /// Lambert's law for the rest it is the simplest form of the APL-UW model (TR 9407, 1994).
 pub(crate) fn facets(sin_grazing: f64) -> f64 {
     let square = sin_grazing * sin_grazing;

@@ -4,7 +4,6 @@ use backseat_units::math::exp;
 /// receiving with it squares that.
 const TWO_WAY: f64 = 8.0 * core::f64::consts::LN_2;
 /// The width of the rectangle that has the area of a Gaussian beam squared, over the beam's width: √(π / (8 ln 2)).
-/// Lurton, *An Introduction to Underwater Acoustics* (Springer 2010), calls it the equivalent aperture.
 pub(crate) const EQUIVALENT: f64 = 0.752_691_8;
 
 /// The power of a Gaussian beam, transmitting and receiving, at an angle from its axis. Both in the same unit.

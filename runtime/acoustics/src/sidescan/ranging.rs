@@ -42,7 +42,7 @@ impl Ranging {
         let absorption = water.absorption_db_per_m(settings.frequency_hz);
         let sample_m = settings.sample_m();
         let resolution_m = 0.5 * settings.sound_speed_mps * settings.pulse_s;
-        // The half-power width of a line array: Lurton (2010), section 4.4.
+        // The half-power width of an even line array: 0.88 wavelengths over its length.
         let along_rad = 0.88 * settings.sound_speed_mps / settings.frequency_hz / APERTURE_M;
         let source_db = SOURCE_DB + decibels(settings.power) + settings.gain_db - COUNT_DB;
         // The receiver listens to the band of its pulse, and to the directions of its beam.

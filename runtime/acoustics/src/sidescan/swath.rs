@@ -98,8 +98,7 @@ pub(super) fn walk(bed: &Bed, ranging: &Ranging, edges: &[f64], nodes: &mut Vec<
 
 /// The part of the seabed that one pulse covers, square metres: as wide as the beam, and as long as what the pulse takes
 /// along the seabed. `growth` is how fast the slant range grows along the seabed. Straight below the sonar, where it does
-/// not grow, a pulse of the length Δ covers √(2 r Δ): Lurton, *An Introduction to Underwater Acoustics* (Springer 2010),
-/// section 3.5.
+/// not grow, a pulse of the length Δ covers √(2 r Δ): Lurton, *An Introduction to Underwater Acoustics* (Springer 2010).
 pub(super) fn area_m2(slant_m: f64, growth: f64, ranging: &Ranging) -> f64 {
     let straight_below_m = (2.0 * slant_m * ranging.pulse_m).sqrt();
     let length_m = (ranging.pulse_m / growth.max(1e-9)).min(straight_below_m);

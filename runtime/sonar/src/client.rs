@@ -217,6 +217,10 @@ impl Sonar {
     }
 
     fn answer_is_late(&mut self) {
+        // The answer may have come with this very call, and another command may be under way since.
+        if self.exchanges.deadline().is_none_or(|deadline| deadline > self.now) {
+            return;
+        }
         match self.exchanges.late() {
             Some(Late::Again) => self.say_again(),
             Some(Late::Ended(end)) => self.end_step(end),

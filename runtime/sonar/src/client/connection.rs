@@ -58,10 +58,11 @@ impl Sonar {
             Link::Up { .. } if self.controller_ends => "it has shut down",
             Link::Up { .. } => "the connection was lost",
             Link::Closing { why } => why,
-            Link::Waiting | Link::Ended => {
+            Link::Waiting => {
                 self.counts.unexpected_inputs += 1;
                 return;
             }
+            Link::Ended => return,
         };
         let was_up = matches!(self.link, Link::Up { .. });
         self.link = Link::Waiting;

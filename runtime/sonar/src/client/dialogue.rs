@@ -172,7 +172,15 @@ impl Sonar {
                     // The status that tells of the shutdown may be lost with the connection.
                     Some(End::NoAnswer) => Outcome::Accepted { details: job.details },
                     Some(End::Silent) if !verbose => Outcome::Unconfirmed,
-                    _ => outcome_of(job, None),
+                    Some(
+                        End::Accepted
+                        | End::Unconfirmed
+                        | End::Rejected
+                        | End::Unknown
+                        | End::Silent
+                        | End::Unwritable(_),
+                    )
+                    | None => outcome_of(job, None),
                 });
             }
             Origin::Setup | Origin::Routine | Origin::Restore(_) => {}

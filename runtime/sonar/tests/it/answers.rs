@@ -180,3 +180,14 @@ fn a_controller_may_name_the_sensor_of_a_subscription_in_its_acknowledgement() {
     assert!(trial.sonar.is_ready());
     assert_eq!(sent(&trial, 7), 2);
 }
+
+#[test]
+fn an_answer_at_the_last_instant_is_in_time_and_rushes_nothing() {
+    let mut trial = Trial::new();
+    // With the link's delays it comes back exactly three seconds after the command.
+    trial.controller.answer(CommandId::Subscribe, [Answer::After(2980)]);
+    trial.run_s(4.0);
+    assert!(trial.sonar.is_ready());
+    assert_eq!(sent(&trial, 7), 2, "{:?}", trial.controller.heard);
+    assert_eq!(trial.sonar.counts().late_acknowledgements, 0);
+}

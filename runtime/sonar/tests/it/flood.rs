@@ -145,8 +145,23 @@ fn a_large_size_that_is_a_lie_holds_no_more_than_the_limit() {
     assert!(taken.bytes_max < 6 << 16, "{taken:?}");
     // The client notices by the health that nobody answers.
     trial.run_s(40.0);
-    assert!(!trial.disconnects.is_empty() || trial.sonar.is_ready());
+    assert_eq!(trial.disconnects.len(), 1);
+    assert!(trial.sonar.is_ready(), "the next connection is a good one");
     trial.order(Order::Shutdown);
     trial.run_s(10.0);
     assert!(trial.finished.is_some());
+}
+
+#[test]
+fn vehicle_data_that_the_driver_does_not_take_is_dropped_and_goes_to_no_other_connection() {
+    let mut trial = Trial::ready();
+    let at = trial.now;
+    for _ in 0..100 * 25 {
+        let sample = navigation(at);
+        trial.sonar.handle(at, Input::Navigation(sample));
+    }
+    assert_eq!(trial.sonar.counts().dropped_sends, 100 - SENDS_MAX as u64);
+    trial.sonar.handle(at, Input::Lost);
+    let (_, others) = drain(&mut trial.sonar);
+    assert_eq!(others, 1, "the loss is reported, and nothing is sent any more");
 }

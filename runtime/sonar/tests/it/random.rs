@@ -1,6 +1,6 @@
 //! Random inputs: nothing panics, time goes on, outputs are bounded, and each order has one outcome.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
 use backseat_s7k::plc::{CommandId, Generic};
@@ -10,9 +10,9 @@ use backseat_sonar::{Decimation, Event, Input, Order, Output, STATUS_CHARS, Sona
 use backseat_units::Timestamp;
 use proptest::prelude::*;
 
-use crate::controller::{acknowledgement, enclosed, framed, message};
+use crate::controller::{Controller, acknowledgement, enclosed, framed, message};
 use crate::imagery::{Ping, grant};
-use crate::trial::{config, navigation, start};
+use crate::trial::{config, navigation, start, utc};
 
 #[derive(Clone, Debug)]
 enum Act {
@@ -30,6 +30,8 @@ enum Act {
     Utc(i64),
     Timeout,
     Wait(u64),
+    /// So many answers of an honest controller arrive.
+    Answers(usize),
 }
 
 fn act() -> impl Strategy<Value = Act> {
@@ -57,6 +59,7 @@ fn act() -> impl Strategy<Value = Act> {
         1 => any::<i64>().prop_map(Act::Utc),
         6 => Just(Act::Timeout),
         4 => (0..20_000_u64).prop_map(Act::Wait),
+        20 => (1..30_usize).prop_map(Act::Answers),
     ]
 }
 
@@ -70,6 +73,9 @@ struct Driver {
     finished: Option<Timestamp>,
     shutdown_at: Option<Timestamp>,
     outcomes: BTreeMap<Ticket, u32>,
+    controller: Controller,
+    /// What the controller has answered and nobody has delivered.
+    answers: VecDeque<Vec<u8>>,
 }
 
 impl Driver {
@@ -86,8 +92,13 @@ impl Driver {
                 Output::Disconnect => {
                     assert!(self.wanted || self.up);
                     (self.wanted, self.up, self.closing) = (false, false, true);
+                    self.answers.clear();
                 }
-                Output::Send(bytes) => assert!(self.up && bytes.len() < 4000),
+                Output::Send(bytes) => {
+                    assert!(self.up && bytes.len() < 4000);
+                    let answers = self.controller.receive(utc(self.now), &bytes);
+                    self.answers.extend(answers.into_iter().map(|(_, bytes)| bytes));
+                }
                 Output::Event(Event::Outcome { ticket, .. }) => *self.outcomes.entry(ticket).or_default() += 1,
                 Output::Event(event) => assert!(event.to_string().len() < 10_000),
                 Output::Ping(ping) => assert!(ping.channels.iter().all(|channel| channel.samples.len() <= 16)),
@@ -110,10 +121,12 @@ impl Driver {
         match act {
             Act::Connected if self.wanted => {
                 (self.wanted, self.up) = (false, true);
+                self.controller.connected();
                 self.handle(Input::Connected);
             }
             Act::Lost if self.wanted || self.up || self.closing => {
                 (self.wanted, self.up, self.closing) = (false, false, false);
+                self.answers.clear();
                 self.handle(Input::Lost);
             }
             Act::Connected | Act::Lost => {}
@@ -171,6 +184,14 @@ impl Driver {
             }
             Act::Utc(nanos) => self.handle(Input::UtcSet(*nanos)),
             Act::Timeout => self.wake(),
+            Act::Answers(count) => {
+                for _ in 0..*count {
+                    let Some(bytes) = self.answers.pop_front() else {
+                        break;
+                    };
+                    self.handle(Input::Received(&bytes));
+                }
+            }
             Act::Wait(millis) => {
                 let end = self.now + Duration::from_millis(*millis);
                 while self.sonar.poll_timeout().is_some_and(|next| next <= end) {
@@ -209,6 +230,8 @@ proptest! {
             finished: None,
             shutdown_at: None,
             outcomes: BTreeMap::new(),
+            controller: Controller::default(),
+            answers: VecDeque::new(),
         };
         driver.handle(Input::Timeout);
         for (number, act) in (0..).zip(&acts) {

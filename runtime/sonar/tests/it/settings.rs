@@ -116,3 +116,26 @@ fn a_grant_outside_its_range_is_named() {
         "sonar setting grants[0].sensor: 9 is not the index of a configured sensor"
     );
 }
+
+#[test]
+fn the_page_has_every_key() {
+    let page = include_str!("../../../docs/sonar.md");
+    let settings = SonarConfig {
+        logging: Some(backseat_sonar::LoggingSetup {
+            file_size: 1,
+            overlap: 0,
+        }),
+        route_to: Some(0),
+        ..config()
+    };
+    let table: toml::Table = toml::from_str(&toml::to_string(&settings).unwrap()).unwrap();
+    assert_eq!(table.len(), 20);
+    for key in table.keys() {
+        let row = if key == "sensor" {
+            "| `[[sensor]]` |".to_owned()
+        } else {
+            format!("| `{key}` |")
+        };
+        assert!(page.contains(&row), "{key}");
+    }
+}

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
 use backseat_s7k::StreamReader;
-use backseat_s7k::plc::HealthEntry;
+use backseat_s7k::plc::{CommandId, HealthEntry};
 use backseat_units::{Timestamp, Utc};
 
 use crate::alarm::Alarms;
@@ -203,9 +203,10 @@ impl Sonar {
 
     fn expired(&mut self, timer: Timer) {
         match timer {
-            Timer::Shutdown => self.finish(Outcome::TimedOut {
-                sent: matches!(self.link, Link::Up { .. }),
-            }),
+            Timer::Shutdown => {
+                let sent = self.is_saying(CommandId::Shutdown);
+                self.finish(Outcome::TimedOut { sent });
+            }
             Timer::Connect => self.connect(),
             Timer::Command => self.answer_is_late(),
             Timer::Orders => self.orders_are_late(),

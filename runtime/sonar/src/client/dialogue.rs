@@ -205,6 +205,12 @@ impl Sonar {
         }
     }
 
+    /// Whether the command is under way.
+    pub(super) fn is_saying(&self, command: CommandId) -> bool {
+        let current = self.exchanges.current();
+        current.is_some_and(|current| current.step.command() == command)
+    }
+
     pub(super) fn outcome(&mut self, ticket: Ticket, outcome: Outcome) {
         self.tell(Event::Outcome { ticket, outcome });
     }

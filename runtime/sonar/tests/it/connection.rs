@@ -92,7 +92,6 @@ fn pauses_between_attempts_double_up_to_a_minute() {
     trial.reachable = false;
     // The first attempt was under way when the test began.
     trial.cut();
-    trial.handle(backseat_sonar::Input::Lost);
     trial.run_s(300.0);
 
     let pauses: Vec<f64> = trial

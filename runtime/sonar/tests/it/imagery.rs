@@ -440,3 +440,34 @@ fn the_swath_is_reported_once_a_second() {
     }
     assert!((4..=6).contains(&swaths(&trial).len()), "{}", swaths(&trial).len());
 }
+
+#[test]
+fn after_a_clock_was_set_its_old_offset_does_not_count() {
+    let ping = |trial: &mut Trial| {
+        let time = trial.controller.time(utc(trial.now));
+        send(
+            trial,
+            &Ping {
+                time,
+                ..Ping::default()
+            },
+        );
+        trial.pings.pop().unwrap().time_source
+    };
+    // The controller is an hour wrong until the client sets its clock; the next acknowledgement takes a while.
+    let mut trial = Trial::with(config(), vec![grant(8, Decimation::Maximum)]);
+    trial.controller.offset_nanos = 3_600_000_000_000;
+    trial
+        .controller
+        .always
+        .insert(28, crate::controller::Answer::After(1000));
+    trial.run_s(0.1);
+    assert_eq!(ping(&mut trial), PingTime::Controller);
+    trial.run_s(3.0);
+    assert_eq!(ping(&mut trial), PingTime::Measured);
+    // Our own clock is set.
+    trial.handle(Input::UtcSet(60_000_000_000));
+    assert_eq!(ping(&mut trial), PingTime::Controller);
+    trial.run_s(10.0);
+    assert_eq!(ping(&mut trial), PingTime::Measured);
+}

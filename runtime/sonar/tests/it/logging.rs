@@ -138,7 +138,6 @@ fn logging_that_was_ordered_without_a_connection_begins_with_the_next_one() {
     let mut trial = Trial::new();
     trial.reachable = false;
     trial.cut();
-    trial.handle(backseat_sonar::Input::Lost);
     let ticket = trial.order(logging(true, Some("line.s7k")));
     trial.run_s(11.0);
     assert_eq!(trial.outcome(ticket), Outcome::TimedOut { sent: false });

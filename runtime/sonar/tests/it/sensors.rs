@@ -111,7 +111,6 @@ fn an_order_waits_for_a_connection_for_ten_seconds() {
     let mut trial = Trial::new();
     trial.reachable = false;
     trial.cut();
-    trial.handle(backseat_sonar::Input::Lost);
     let late = trial.order(set(0, Generic::Ping { on: false }));
     trial.run_s(9.9);
     assert!(trial.outcomes(late).is_empty());

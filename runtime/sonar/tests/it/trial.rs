@@ -33,6 +33,7 @@ pub(crate) struct Trial {
     /// Counts the connections: what belongs to an old one does not arrive.
     connection: u32,
     up: bool,
+    connecting: bool,
     tickets: u64,
 }
 
@@ -107,6 +108,7 @@ impl Trial {
             number: 0,
             connection: 0,
             up: false,
+            connecting: false,
             tickets: 0,
         };
         trial.drain();
@@ -137,11 +139,11 @@ impl Trial {
         self.schedule(DELAY, Happening::ToClient(bytes));
     }
 
-    /// The link breaks, and the driver notices at once.
+    /// The link breaks, or the attempt to connect fails, and the driver notices at once.
     pub(crate) fn cut(&mut self) {
         self.connection += 1;
-        if self.up {
-            self.up = false;
+        if self.up || self.connecting {
+            (self.up, self.connecting) = (false, false);
             self.handle(Input::Lost);
         }
     }
@@ -166,7 +168,8 @@ impl Trial {
             assert!(self.finished.is_none(), "{output:?} comes after the end");
             match output {
                 Output::Connect => {
-                    assert!(!self.up);
+                    assert!(!self.up && !self.connecting);
+                    self.connecting = true;
                     self.connects.push(self.now);
                     self.connection += 1;
                     let happening = if self.reachable {
@@ -177,7 +180,9 @@ impl Trial {
                     self.schedule(DELAY, happening);
                 }
                 Output::Disconnect => {
+                    assert!(self.up || self.connecting, "there is nothing to disconnect");
                     self.disconnects.push(self.now);
+                    self.connecting = false;
                     self.connection += 1;
                     self.up = false;
                     self.schedule(Duration::ZERO, Happening::Lost);
@@ -226,11 +231,14 @@ impl Trial {
     fn happen(&mut self, happening: Happening) {
         match happening {
             Happening::Connected => {
-                self.up = true;
+                (self.up, self.connecting) = (true, false);
                 self.controller.connected();
                 self.handle(Input::Connected);
             }
-            Happening::Lost => self.handle(Input::Lost),
+            Happening::Lost => {
+                self.connecting = false;
+                self.handle(Input::Lost);
+            }
             Happening::ToController(bytes) => {
                 for (after, answer) in self.controller.receive(utc(self.now), &bytes) {
                     self.schedule(DELAY + after, Happening::ToClient(answer));

@@ -11,7 +11,8 @@ pub fn byte_sum(bytes: &[u8]) -> u32 {
 }
 
 /// How the checksum of a Bluefin frame is computed, which Volume III leaves open (Table 11: "CRC32").
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum BluefinChecksum {
     /// IEEE CRC-32 over the whole packet with the checksum's own four bytes as zeros.
     #[default]
@@ -41,6 +42,19 @@ mod tests {
         assert_eq!(byte_sum(&[255, 255, 1]), 511);
         // 16,843,010 times 255 is 254 more than 2^32.
         assert_eq!(byte_sum(&vec![255; 16_843_010]), 254);
+    }
+
+    #[test]
+    fn a_setting_names_the_checksum() {
+        let kinds = [
+            ("\"whole_packet\"", BluefinChecksum::WholePacket),
+            ("\"data_only\"", BluefinChecksum::DataOnly),
+            ("\"none\"", BluefinChecksum::None),
+        ];
+        for (text, kind) in kinds {
+            assert_eq!(serde_json::from_str::<BluefinChecksum>(text).unwrap(), kind);
+            assert_eq!(serde_json::to_string(&kind).unwrap(), text);
+        }
     }
 
     #[test]

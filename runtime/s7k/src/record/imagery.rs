@@ -167,7 +167,7 @@ impl<'a> Imagery<'a> {
     }
 
     /// The channels, in order.
-    pub fn channels(&self) -> impl Iterator<Item = Channel<'a>> + Clone {
+    pub fn channels(&self) -> impl Iterator<Item = Channel<'a>> + Clone + use<'a> {
         let mut rest = self.channels;
         core::iter::from_fn(move || {
             // `read` has walked over all of them.

@@ -72,25 +72,53 @@ impl<'a> Samples<'a> {
         self.len() == 0
     }
 
-    /// Appends the amplitude of each sample, in steps of the converter: the absolute value of an envelope, the modulus
-    /// of a complex sample. Appends nothing for samples in another form.
+    /// Appends the amplitude of each sample, as [`Self::for_each_amplitude`] gives it.
     pub fn amplitudes(&self, out: &mut Vec<f32>) {
+        out.reserve(match self {
+            Self::Raw { .. } => 0,
+            Self::U8(_) | Self::I8(_) | Self::U16(_) | Self::I16(_) => self.len(),
+            Self::U32(_) | Self::I32(_) | Self::Complex16(_) => self.len(),
+        });
+        self.for_each_amplitude(|amplitude| out.push(amplitude));
+    }
+
+    /// Calls `take` with the amplitude of each sample in order, in steps of the converter: the absolute value of an
+    /// envelope, the modulus of a complex sample. Calls it never for samples in another form.
+    pub fn for_each_amplitude(&self, take: impl FnMut(f32)) {
         #[expect(
             clippy::cast_precision_loss,
             reason = "24 bits of amplitude are more than a sonar resolves"
         )]
         match self {
-            Self::U8(samples) => out.extend(samples.iter().map(|byte| f32::from(*byte))),
-            Self::I8(samples) => out.extend(samples.iter().map(|byte| f32::from(byte.cast_signed()).abs())),
-            Self::U16(samples) => out.extend(samples.iter().map(|pair| f32::from(u16::from_le_bytes(*pair)))),
-            Self::I16(samples) => out.extend(samples.iter().map(|pair| f32::from(i16::from_le_bytes(*pair)).abs())),
-            Self::U32(samples) => out.extend(samples.iter().map(|four| u32::from_le_bytes(*four) as f32)),
-            Self::I32(samples) => out.extend(samples.iter().map(|four| (i32::from_le_bytes(*four) as f32).abs())),
-            Self::Complex16(samples) => out.extend(samples.iter().map(|four| {
-                let [i, q] = complex(*four);
-                let (i, q) = (f32::from(i), f32::from(q));
-                (i * i + q * q).sqrt()
-            })),
+            Self::U8(samples) => samples.iter().map(|byte| f32::from(*byte)).for_each(take),
+            Self::I8(samples) => samples
+                .iter()
+                .map(|byte| f32::from(byte.cast_signed()).abs())
+                .for_each(take),
+            Self::U16(samples) => samples
+                .iter()
+                .map(|pair| f32::from(u16::from_le_bytes(*pair)))
+                .for_each(take),
+            Self::I16(samples) => samples
+                .iter()
+                .map(|pair| f32::from(i16::from_le_bytes(*pair)).abs())
+                .for_each(take),
+            Self::U32(samples) => samples
+                .iter()
+                .map(|four| u32::from_le_bytes(*four) as f32)
+                .for_each(take),
+            Self::I32(samples) => samples
+                .iter()
+                .map(|four| (i32::from_le_bytes(*four) as f32).abs())
+                .for_each(take),
+            Self::Complex16(samples) => samples
+                .iter()
+                .map(|four| {
+                    let [i, q] = complex(*four);
+                    let (i, q) = (f32::from(i), f32::from(q));
+                    (i * i + q * q).sqrt()
+                })
+                .for_each(take),
             Self::Raw { .. } => {}
         }
     }

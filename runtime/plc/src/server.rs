@@ -79,9 +79,9 @@ impl Server {
         }
     }
 
-    /// Closes a client's connection. What waits for it is lost.
+    /// Closes a client's connection. What waits for it is lost, but not at a shutdown.
     pub(crate) fn cut_off(&mut self, now: Timestamp, client: ClientId, why: DropReason) {
-        self.clients.cut_off(client);
+        self.clients.cut_off(client, why == DropReason::ShutDown);
         self.note(now, PlcEventKind::Dropped(client, why));
     }
 

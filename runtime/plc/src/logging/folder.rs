@@ -11,6 +11,9 @@ use super::{FileEffect, FileId, FilePlace};
 /// Room that only the end of a file may use, bytes: the catalogue of a file must fit when the disk is full.
 const RESERVE: u64 = 1 << 20;
 
+/// Room without which logging does not begin, bytes: that of a long record.
+const BEGIN_ROOM: u64 = 256 << 10;
+
 /// The disk, shared by the logger and the files that it has open. No other thread has it.
 #[derive(Clone, Debug)]
 pub(crate) struct Disk(Arc<Mutex<Inner>>);
@@ -120,9 +123,9 @@ impl Disk {
         100.0 * inner.free as f64 / inner.capacity.max(1) as f64
     }
 
-    /// Whether a record has room.
+    /// Whether logging may begin.
     pub(super) fn has_room(&self) -> bool {
-        self.inner().room() > 0
+        self.inner().room() >= BEGIN_ROOM
     }
 }
 

@@ -81,6 +81,8 @@ pub(crate) struct Clients {
     stalled: bool,
     /// Clients that were cut off and that the driver has not fetched.
     gone: VecDeque<ClientId>,
+    /// What is still sent to clients that were cut off.
+    last_words: VecDeque<(ClientId, Vec<u8>)>,
     /// Where the next search for something to send begins, so that each client has its turn.
     turn: usize,
 }
@@ -102,6 +104,7 @@ impl Clients {
             verbose: reading.verbose_at_connect == VerboseAtConnect::Verbose,
             stalled: false,
             gone: VecDeque::new(),
+            last_words: VecDeque::new(),
             turn: 0,
         }
     }
@@ -138,7 +141,16 @@ impl Clients {
         self.clients.len() < before
     }
 
-    pub(super) fn cut_off(&mut self, id: ClientId) {
+    /// Closes a client's connection. With `flush`, what waits for it is still sent, unless its connection takes no bytes.
+    pub(super) fn cut_off(&mut self, id: ClientId, flush: bool) {
+        if flush
+            && let Some(client) = self
+                .client(id)
+                .filter(|client| !client.blocked && !client.out.is_empty())
+        {
+            let bytes = core::mem::take(&mut client.out);
+            self.last_words.push_back((id, bytes));
+        }
         self.disconnect(id);
         // The limit keeps this from growing if the driver never fetches it.
         if self.gone.len() < 1024 {
@@ -354,6 +366,10 @@ impl Clients {
         let count = self.clients.len();
         if self.stalled {
             return None;
+        }
+        if let Some((id, bytes)) = self.last_words.pop_front() {
+            *out = bytes;
+            return Some(id);
         }
         for step in 0..count {
             let at = (self.turn + step) % count;

@@ -17,6 +17,36 @@
 //! reports those that fail. It keeps the contents of the files `6046.sav` and `6046.cfg` for the next start: see
 //! [`Stored`].
 //!
+//! ```
+//! use backseat_plc::{ClientId, Ping, Plc, PlcConfig, SensorKind, Sonar, Stored};
+//! use backseat_units::{Timestamp, Utc};
+//!
+//! /// A sonar that hears nothing.
+//! struct Silence;
+//!
+//! impl Sonar for Silence {
+//!     fn side_scan(&mut self, _: SensorKind, _: &Ping, _: &mut Vec<u16>, _: &mut Vec<u16>) {}
+//!     fn sub_bottom(&mut self, _: &Ping, _: &mut Vec<[i16; 2]>) {}
+//! }
+//!
+//! let config = PlcConfig { time_messages: true, ..PlcConfig::default() };
+//! let mut plc = Plc::new(&config, 7, Utc::from_unix_nanos(1_795_442_400_000_000_000), &Stored::default())?;
+//! plc.connect(Timestamp::ZERO, ClientId(1));
+//! let mut now = Timestamp::ZERO;
+//! let (mut bytes, mut sent) = (Vec::new(), 0);
+//! while let Some(at) = plc.poll_timeout().filter(|at| *at <= Timestamp::from_secs(90)) {
+//!     now = now.max(at);
+//!     plc.handle_timeout(now, &mut Silence);
+//!     while let Some(_client) = plc.poll_transmit(&mut bytes) {
+//!         sent += bytes.len();
+//!     }
+//!     while plc.poll_disconnect().is_some() || plc.poll_file().is_some() || plc.poll_event().is_some() {}
+//! }
+//! // Two time messages: 84 bytes and a network frame of 36 each.
+//! assert_eq!(sent, 2 * (84 + 36));
+//! # Ok::<(), backseat_plc::PlcError>(())
+//! ```
+//!
 //! The same [`PlcConfig`], seed and inputs give the same bytes. `runtime/docs/plc.md` says how the mock reads each
 //! command, status and alarm of the specification.
 

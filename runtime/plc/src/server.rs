@@ -209,6 +209,15 @@ impl Server {
         self.note(now, PlcEventKind::Status(None, Box::new(status)));
     }
 
+    /// Sends a status to all clients so many times, as a fault does. The log has the fault, and not each record.
+    pub(crate) fn flood(&mut self, now: Timestamp, status: &Status, records: usize) {
+        let clients = self.clients.all();
+        for _ in 0..records {
+            let record = self.status_record(now, status);
+            self.send(now, &clients, record);
+        }
+    }
+
     fn status_record(&mut self, now: Timestamp, status: &Status) -> Vec<u8> {
         let mut text = String::new();
         // All values were checked where they came from, so that they can be written.

@@ -242,10 +242,8 @@ impl Plc {
         };
         let records = whole(&mut self.noise_carry.0, records_per_s);
         let bytes = whole(&mut self.noise_carry.1, bytes_per_s);
-        for _ in 0..records {
-            self.server
-                .status_to_all(now, Status::Version { version: self.version });
-        }
+        let version = Status::Version { version: self.version };
+        self.server.flood(now, &version, records);
         if bytes > 0 {
             self.server.garbage(now, bytes);
         }

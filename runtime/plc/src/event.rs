@@ -105,7 +105,7 @@ pub enum PlcEventKind {
     Raised(Box<Alarm>),
     /// An alarm is over.
     Cleared(Box<Alarm>),
-    /// An alarm that is over as soon as it is said.
+    /// An alarm without duration.
     Warned(Box<Alarm>),
     /// Bytes or records of a client could not be used since the last event about them.
     Ignored {

@@ -73,7 +73,7 @@ readings! {
         All,
     }
 
-    /// The mode of an alarm that is over as soon as it is said, such as a dropped ping (Table 10 does not say).
+    /// The mode of an alarm without duration, such as a dropped ping (Table 10 does not say).
     event_alarm_mode: EventAlarmMode {
         /// -1, unspecified.
         Unspecified,

@@ -17,7 +17,7 @@ use backseat_world::{Span, Stream};
 use crate::config::{PlcConfig, parse_version};
 use crate::error::PlcError;
 use crate::event::{ClientId, DropReason, PlcEvent, PlcEventKind};
-use crate::faults::{FaultKind, Timeline};
+use crate::faults::{Fault, FaultKind, Timeline};
 use crate::interpretation::InterpretationConfig;
 use crate::logging::{FileEffect, FileFailure, FileId, Logger};
 use crate::navigation::Navigation;
@@ -225,6 +225,12 @@ impl Plc {
     pub fn set_disk_free(&mut self, now: Timestamp, bytes: u64) {
         self.logger.set_free(bytes);
         self.check_disk(now);
+    }
+
+    /// Injects a fault: it begins with the next [`Plc::handle_timeout`], which is due at once, whatever its `at` says.
+    /// Returns its number, which follows those of the plan.
+    pub fn inject(&mut self, now: Timestamp, fault: Fault) -> u32 {
+        self.faults.inject(now, fault)
     }
 
     /// The next client to write to, whose bytes replace what is in `out`.

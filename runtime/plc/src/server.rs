@@ -285,7 +285,7 @@ impl Server {
         self.active.contains_key(&(id, sensor.0))
     }
 
-    /// An alarm that is over as soon as it is said, to all clients.
+    /// An alarm without duration, to all clients.
     pub(crate) fn warn(&mut self, now: Timestamp, alarm: Alarm) {
         let clients = self.clients.alarmed(alarm.id());
         self.warn_these(now, &clients, alarm);

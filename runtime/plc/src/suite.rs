@@ -186,7 +186,7 @@ impl Suite {
         let takes_s = self.config(kind).start_s;
         let until = now + Duration::from_secs_f64(takes_s.draw(&mut self.dice));
         if let Some(sensor) = self.sensor_mut(index) {
-            sensor.hush();
+            sensor.stop();
             sensor.phase = Phase::Starting(until);
             server.note(now, PlcEventKind::SensorStarting(index, kind));
         }
@@ -207,7 +207,7 @@ impl Suite {
             return true;
         }
         let takes_s = self.config(sensor.kind).shutdown_s;
-        sensor.hush();
+        sensor.stop();
         sensor.phase = Phase::ShuttingDown(now + Duration::from_secs_f64(takes_s.draw(&mut self.dice)));
         self.leaving.push(sensor);
         true
@@ -301,7 +301,7 @@ impl Suite {
         let settings = settings::Settings::of(self.config(kind));
         if let Some(sensor) = self.sensor_mut(index) {
             sensor.settings = settings;
-            sensor.hush();
+            sensor.stop();
         }
         server.clear(now, 8, index);
         self.begin_start(now, index, server);
@@ -314,7 +314,7 @@ impl Suite {
             match (dead, sensor.silent_since) {
                 (true, None) => {
                     sensor.silent_since = Some(now);
-                    sensor.hush();
+                    sensor.stop();
                 }
                 (false, Some(_)) => {
                     sensor.silent_since = None;

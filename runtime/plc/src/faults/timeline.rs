@@ -58,6 +58,19 @@ impl Timeline {
         Some((number, edge, self.plan[index].kind))
     }
 
+    /// Adds a fault that begins now, and returns its number.
+    pub(crate) fn inject(&mut self, now: Timestamp, fault: Fault) -> u32 {
+        let index = self.plan.len();
+        let end = now + fault.lasts;
+        // The begin comes before everything that is still to happen, and the end after what ends at the same time.
+        self.edges.insert(self.happened, (now, FaultEdge::Begin, index));
+        let to_come = &self.edges[self.happened + 1..];
+        let place = self.happened + 1 + to_come.partition_point(|(at, ..)| *at <= end);
+        self.edges.insert(place, (end, FaultEdge::End, index));
+        self.plan.push(Fault { at: now, ..fault });
+        u32::try_from(index + 1).unwrap_or(u32::MAX)
+    }
+
     /// The faults that act now, in the order of the plan.
     pub(crate) fn acting(&self) -> impl Iterator<Item = &FaultKind> {
         self.acting.iter().map(|index| &self.plan[*index].kind)

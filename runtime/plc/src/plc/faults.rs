@@ -89,7 +89,7 @@ impl Plc {
             // The sensors go on by themselves; the controller only stops listening to them.
             for sensor in self.suite.sensors_mut() {
                 sensor.settings.pinging = false;
-                sensor.hush();
+                sensor.stop();
             }
         }
     }

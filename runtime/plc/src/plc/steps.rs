@@ -142,8 +142,8 @@ impl Plc {
                 }
             }
             Step::Heard => self.heard(now, slot, index, kind, sonar),
-            Step::TellDrops => self.tell_drops(now, slot),
-            Step::TellSilence => {
+            Step::ReportDrops => self.report_drops(now, slot),
+            Step::ReportSilence => {
                 let description = Box::from("no answer");
                 let alarm = Alarm::SensorNotResponding {
                     sensor: index,
@@ -151,7 +151,7 @@ impl Plc {
                 };
                 self.server.raise(now, index, alarm);
             }
-            Step::TellNoData => {
+            Step::ReportNoData => {
                 let description = Box::from("no data for the log");
                 let alarm = Alarm::SensorDataFailed {
                     sensor: index,
@@ -178,7 +178,7 @@ impl Plc {
             sensor.drop_pings(now, ping.number, ping.number);
             return;
         }
-        self.tell_drops(now, slot);
+        self.report_drops(now, slot);
         let (port, starboard, profile) = &mut self.samples;
         let heading = Heading {
             kind,
@@ -216,7 +216,7 @@ impl Plc {
     }
 
     /// Alarm 3 for the pings that a sensor has dropped, if there are any.
-    fn tell_drops(&mut self, now: Timestamp, slot: Slot) {
+    fn report_drops(&mut self, now: Timestamp, slot: Slot) {
         let Some(sensor) = self.suite.slot(slot) else { return };
         let index = sensor.index;
         if let Some((first, last)) = sensor.take_drops() {

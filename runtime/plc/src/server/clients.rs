@@ -82,7 +82,7 @@ pub(crate) struct Clients {
     /// Clients that were cut off and that the driver has not fetched.
     gone: VecDeque<ClientId>,
     /// What is still sent to clients that were cut off.
-    last_words: VecDeque<(ClientId, Vec<u8>)>,
+    unsent: VecDeque<(ClientId, Vec<u8>)>,
     /// Where the next search for something to send begins, so that each client has its turn.
     turn: usize,
 }
@@ -104,7 +104,7 @@ impl Clients {
             verbose: reading.verbose_at_connect == VerboseAtConnect::Verbose,
             stalled: false,
             gone: VecDeque::new(),
-            last_words: VecDeque::new(),
+            unsent: VecDeque::new(),
             turn: 0,
         }
     }
@@ -149,7 +149,7 @@ impl Clients {
                 .filter(|client| !client.blocked && !client.out.is_empty())
         {
             let bytes = core::mem::take(&mut client.out);
-            self.last_words.push_back((id, bytes));
+            self.unsent.push_back((id, bytes));
         }
         self.disconnect(id);
         // The limit keeps this from growing if the driver never fetches it.
@@ -226,7 +226,7 @@ impl Clients {
             };
             let wrong = matches!(frame.checksum(), Checksum::Wrong { .. });
             match (frame.header().record_type, Record::read(&frame)) {
-                // A controller's own messages, as an echo might send them, are for nobody.
+                // A controller's own messages, as an echo might send them, are ignored.
                 (11_001 | 11_002, _) | (11_000, Err(_)) => client.ignored.1 += 1,
                 _ if wrong => client.ignored.1 += 1,
                 (_, Ok(Record::Command(command))) => {
@@ -367,7 +367,7 @@ impl Clients {
         if self.stalled {
             return None;
         }
-        if let Some((id, bytes)) = self.last_words.pop_front() {
+        if let Some((id, bytes)) = self.unsent.pop_front() {
             *out = bytes;
             return Some(id);
         }

@@ -16,7 +16,7 @@ pub(crate) const SAMPLES_MAX: usize = 65_535;
 const LATE_MAX: Duration = Duration::from_secs(1);
 
 /// How long dropped pings are collected for one alarm.
-const DROPS_TOLD_AFTER: Duration = Duration::from_secs(1);
+const DROPS_REPORTED_AFTER: Duration = Duration::from_secs(1);
 
 /// What a sensor is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,11 +68,11 @@ pub(crate) enum Step {
     /// It has heard the whole of a ping.
     Heard,
     /// Alarm 3 is due.
-    TellDrops,
+    ReportDrops,
     /// It was silent for so long that alarm 2 is due.
-    TellSilence,
+    ReportSilence,
     /// It gave no data for so long that alarm 8 is due.
-    TellNoData,
+    ReportNoData,
 }
 
 impl Sensor {
@@ -129,7 +129,7 @@ impl Sensor {
     }
 
     /// Stops at once: it is dead, or its shutdown begins.
-    pub(crate) fn hush(&mut self) {
+    pub(crate) fn stop(&mut self) {
         self.listening = None;
         self.starved_since = None;
     }
@@ -141,7 +141,7 @@ impl Sensor {
         silent_after: Option<Duration>,
         no_data_after: Option<Duration>,
     ) -> Option<(Timestamp, Step)> {
-        let drops = self.drops.map(|(_, _, due)| (due, Step::TellDrops));
+        let drops = self.drops.map(|(_, _, due)| (due, Step::ReportDrops));
         let work = match self.phase {
             Phase::Waiting | Phase::Failed => None,
             Phase::Starting(until) | Phase::ShuttingDown(until) => Some((until, Step::PhaseEnds)),
@@ -152,8 +152,8 @@ impl Sensor {
                 let heard = self.listening.as_ref().map(|(_, until)| (*until, Step::Heard));
                 [
                     heard.or(ping),
-                    silence.map(|(since, after)| (since + after, Step::TellSilence)),
-                    no_data.map(|(since, after)| (since + after, Step::TellNoData)),
+                    silence.map(|(since, after)| (since + after, Step::ReportSilence)),
+                    no_data.map(|(since, after)| (since + after, Step::ReportNoData)),
                 ]
                 .into_iter()
                 .flatten()
@@ -216,8 +216,8 @@ impl Sensor {
     pub(crate) fn drop_pings(&mut self, now: Timestamp, first: u32, last: u32) {
         self.drops = Some(match self.drops {
             Some((begin, end, due)) if end.wrapping_add(1) == first => (begin, last, due),
-            // Only one range is kept: the caller tells it before another one begins.
-            _ => (first, last, now + DROPS_TOLD_AFTER),
+            // Only one range is kept: the caller reports it before another one begins.
+            _ => (first, last, now + DROPS_REPORTED_AFTER),
         });
     }
 

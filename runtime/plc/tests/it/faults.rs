@@ -1,8 +1,9 @@
 //! Faults: what they do, which alarms they raise, and how it goes on after them.
 
-use backseat_plc::{DropReason, FaultEntry, FaultKind, FaultPlan, Ping, PlcConfig, PlcEventKind, SensorKind};
+use backseat_plc::{DropReason, Fault, FaultEntry, FaultKind, FaultPlan, Ping, PlcConfig, PlcEventKind, SensorKind};
 use backseat_s7k::plc::{Alarm, CalendarTime, Command, FailureCause, Generic, Status};
 use backseat_s7k::record::AlarmMode;
+use backseat_units::Timestamp;
 use core::time::Duration;
 use std::collections::BTreeSet;
 
@@ -292,6 +293,39 @@ fn closed_links_stay_closed_as_long_as_the_fault_lasts() {
     rig.tell(B, Command::Version {});
     assert_eq!(rig.take(B).len(), 1);
     assert_eq!(rig.closed.len(), 2);
+}
+
+#[test]
+fn an_injected_fault_begins_at_once_and_ends_in_its_time() {
+    let mut rig = faulty(&fault(3, "kind = \"disk_full\""));
+    let stall = Fault {
+        at: Timestamp::ZERO,
+        lasts: Duration::from_secs(5),
+        kind: FaultKind::Stall,
+    };
+    assert_eq!(rig.plc.inject(rig.now, stall), 2);
+    rig.run(0.0);
+    rig.tell(A, Command::Version {});
+    assert_eq!(rig.take(A), []);
+    rig.run(4.9);
+    assert_eq!(rig.take(A), []);
+    rig.run(0.2);
+    assert!(rig.take(A).len() > 2);
+    let edges: Vec<String> = rig
+        .events
+        .iter()
+        .filter(|event| matches!(event.kind, PlcEventKind::Fault(..)))
+        .map(|event| event.kind.to_string())
+        .collect();
+    assert_eq!(
+        edges,
+        [
+            "fault 1 begins: disk_full",
+            "fault 2 begins: stall",
+            "fault 1 ends: disk_full",
+            "fault 2 ends: stall"
+        ]
+    );
 }
 
 #[test]

@@ -146,7 +146,7 @@ proptest! {
     }
 
     #[test]
-    fn nor_does_it_with_faults(
+    fn nothing_that_a_client_sends_ends_it_while_faults_act(
         seed in 0..1000_u64,
         inputs in proptest::collection::vec((any::<bool>(), input()), 1..120),
     ) {

@@ -28,12 +28,15 @@ pub struct Rotation {
     pub overlap: u32,
 }
 
-/// Writes a series of files, named `STEM_0000.s7k` and on.
+/// Writes a series of files, named `STEM_0000.s7k` and on. The second half of a file's identifier is that of the series
+/// and the file's number added.
 #[derive(Debug)]
 pub struct RotatingWriter<D: Folder> {
     folder: D,
     info: FileInfo,
     stem: String,
+    /// The stem of the file that is open, where it is another one.
+    open_stem: Option<String>,
     rotation: Rotation,
     /// The number of the file that is open, and the file.
     open: Option<(u32, FileWriter<D::File>)>,
@@ -51,6 +54,7 @@ impl<D: Folder> RotatingWriter<D> {
             folder,
             info,
             stem,
+            open_stem: None,
             rotation,
             open: None,
             number: 0,
@@ -63,13 +67,10 @@ impl<D: Folder> RotatingWriter<D> {
     /// The name of the file that is open, and its length in bytes.
     #[must_use]
     pub fn current(&self) -> Option<(String, u64)> {
-        self.open
-            .as_ref()
-            .map(|(number, writer)| (self.name(*number), writer.length()))
-    }
-
-    fn name(&self, number: u32) -> String {
-        format!("{}_{number:04}.s7k", self.stem)
+        self.open.as_ref().map(|(number, writer)| {
+            let stem = self.open_stem.as_ref().unwrap_or(&self.stem);
+            (name(stem, *number), writer.length())
+        })
     }
 
     /// Writes a record; before it, ends the file if it would become too long, and begins the next.
@@ -95,10 +96,13 @@ impl<D: Folder> RotatingWriter<D> {
 
     /// Begins a file and repeats the last records of the one before.
     fn begin(&mut self, time: Time7k) -> io::Result<()> {
-        let file = self.folder.create(&self.name(self.number))?;
+        let file = self.folder.create(&name(&self.stem, self.number))?;
+        self.open_stem = None;
         let number = self.number;
         self.number += 1;
-        let mut writer = FileWriter::create(file, self.info.clone(), time)?;
+        let mut info = self.info.clone();
+        info.file_id[1] = info.file_id[1].wrapping_add(u64::from(number));
+        let mut writer = FileWriter::create(file, info, time)?;
         for record in &self.last {
             if let Ok(frame) = Frame::read(record, usize::MAX) {
                 writer.write(&frame)?;
@@ -127,6 +131,20 @@ impl<D: Folder> RotatingWriter<D> {
     pub fn finish(mut self, time: Time7k) -> io::Result<D> {
         self.switch(time)?;
         Ok(self.folder)
+    }
+
+    /// Sets the beginning of the names and the header of the files that come; their numbers begin at 0 again. The file
+    /// that is open stays open and keeps its name: see [`Self::switch`]. The next file repeats the last records of the
+    /// one before, whatever its name.
+    pub fn set_series(&mut self, stem: String, info: FileInfo) {
+        self.info = info;
+        if self.stem != stem {
+            let before = core::mem::replace(&mut self.stem, stem);
+            if self.open.is_some() {
+                self.open_stem.get_or_insert(before);
+            }
+            self.number = 0;
+        }
     }
 
     /// Sets size and overlap for what comes.
@@ -164,4 +182,8 @@ impl<D: Folder> RotatingWriter<D> {
         self.last_bytes -= oldest.len() as u64;
         oldest
     }
+}
+
+fn name(stem: &str, number: u32) -> String {
+    format!("{stem}_{number:04}.s7k")
 }

@@ -398,6 +398,48 @@ fn a_series_keeps_to_its_size_and_repeats_its_last_records() {
 }
 
 #[test]
+fn a_series_goes_on_under_another_name_with_its_last_records() {
+    let folder = Memory::default();
+    let rotation = Rotation {
+        file_size: u64::MAX,
+        overlap: 2,
+    };
+    let mut writer = RotatingWriter::new(folder.clone(), "a".to_owned(), info(), rotation);
+    for number in 0..4 {
+        writer.write(&frame(&record(number, 50))).unwrap();
+    }
+    for stem in ["b", "c"] {
+        writer.set_series(stem.to_owned(), info());
+        assert_eq!(writer.current().unwrap().0, "a_0000.s7k");
+    }
+    writer.switch(Time7k::NONE).unwrap();
+    writer.write(&frame(&record(4, 50))).unwrap();
+    writer.switch(Time7k::NONE).unwrap();
+    writer.write(&frame(&record(5, 50))).unwrap();
+    assert_eq!(writer.current().unwrap().0, "c_0001.s7k");
+    writer.finish(Time7k::NONE).unwrap();
+    let files = folder.files.borrow();
+    let held: Vec<(&str, Vec<u32>, u64)> = files
+        .iter()
+        .map(|(name, file)| {
+            let header = Frame::read(file.get_ref(), FRAME_LIMIT).unwrap();
+            let Ok(Record::FileHeader(header)) = Record::read(&header) else {
+                panic!("{name} has no header");
+            };
+            (name.as_str(), read(file.get_ref()).0, header.header.file_id_2)
+        })
+        .collect();
+    assert_eq!(
+        held,
+        [
+            ("a_0000.s7k", vec![0, 1, 2, 3], 2),
+            ("c_0000.s7k", vec![2, 3, 4], 2),
+            ("c_0001.s7k", vec![3, 4, 5], 3)
+        ]
+    );
+}
+
+#[test]
 fn a_record_longer_than_a_file_may_be_has_a_file_of_its_own() {
     let folder = Memory::default();
     let rotation = Rotation {

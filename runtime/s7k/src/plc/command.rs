@@ -190,7 +190,7 @@ texts! {
         /// The sensor's name.
         name: Box<str> as Name, "text";
     }
-    "2, 20, 5, HF sidescan"
+    "2, 21, 5, HF sidescan"
 
     /// Removes a sensor from the run list and shuts it down.
     17 Remove "" {

@@ -1,0 +1,9 @@
+//! The tools over a composed survey.
+
+#[cfg(test)]
+#[path = "../../examples/survey/compose.rs"]
+mod compose;
+#[cfg(test)]
+mod inputs;
+#[cfg(test)]
+mod tools;

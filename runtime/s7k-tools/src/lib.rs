@@ -8,19 +8,26 @@ mod catalogue;
 mod cut;
 mod dump;
 mod error;
+mod export;
 mod info;
 mod listed;
 mod moment;
 mod output;
 mod parts;
 mod selection;
+mod sidescan;
 mod source;
+mod track;
 mod verify;
 
 pub use catalogue::Catalogue;
 pub use cut::{Cut, cut};
 pub use dump::{Dumped, dump};
 pub use error::{Error, InputFault};
+pub use export::{
+    Blend, Crs, CsvOf, Exported, Mosaic, Nadir, Signal, Waterfall, export_csv, export_mosaic, export_segy,
+    export_waterfall, export_xtf,
+};
 pub use info::{
     BluefinChecksums, Checksums, CountGap, Damage, DamagedPlace, FileHeader, Group, HeaderLayouts, Info, Place,
     TimeGap, info, write_info,
@@ -28,5 +35,6 @@ pub use info::{
 pub use listed::{LIST_MAX, Listed};
 pub use moment::{Moment, MomentError};
 pub use selection::Selection;
+pub use sidescan::{AltitudeFrom, GainBy};
 pub use source::Source;
 pub use verify::{Verdict, verify};

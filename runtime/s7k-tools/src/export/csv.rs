@@ -45,7 +45,7 @@ const HEAD: [&str; 10] = [
 /// # Errors
 /// [`Error::Read`] and [`Error::Write`]; [`Error::Contents`] if there is no such frame.
 pub fn export_csv(source: &Source, selection: &Selection, what: CsvOf, out: &Path) -> Result<Exported, Error> {
-    let failed = |error: csv::Error| Error::write(out, error.into());
+    let failed = |error: csv::Error| Error::write(out, plain(error));
     let mut writer = csv::Writer::from_writer(Output::create(out)?);
     let (fields, bits): (_, Vec<String>) = match what {
         CsvOf::Navigation => (
@@ -110,6 +110,16 @@ pub fn export_csv(source: &Source, selection: &Selection, what: CsvOf, out: &Pat
         "frames have a checksum that is right by neither reading of the specification",
     );
     Ok(exported)
+}
+
+/// The file's own error, which says more than the writer's.
+fn plain(error: csv::Error) -> std::io::Error {
+    let text = error.to_string();
+    if let csv::ErrorKind::Io(error) = error.into_kind() {
+        error
+    } else {
+        std::io::Error::other(text)
+    }
 }
 
 /// A quality bit's name, as JSON has it.

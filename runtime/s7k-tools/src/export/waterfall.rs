@@ -89,9 +89,9 @@ pub fn export_waterfall(
     let text = format!("port left, time upwards, {:.3} m to each side", line.reach_m);
     encoder
         .add_text_chunk("Description".to_owned(), text)
-        .map_err(|error| failed(error.into()))?;
-    let mut writer = encoder.write_header().map_err(|error| failed(error.into()))?;
-    let mut stream = writer.stream_writer().map_err(|error| failed(error.into()))?;
+        .map_err(|error| failed(plain(error)))?;
+    let mut writer = encoder.write_header().map_err(|error| failed(plain(error)))?;
+    let mut stream = writer.stream_writer().map_err(|error| failed(plain(error)))?;
     let mut pixels = vec![0; width];
     // The first ping is the lowest row, so that the picture is not mirrored.
     for ping in line.pings.iter().rev() {
@@ -104,8 +104,8 @@ pub fn export_waterfall(
         }
         stream.write_all(&pixels).map_err(failed)?;
     }
-    stream.finish().map_err(|error| failed(error.into()))?;
-    writer.finish().map_err(|error| failed(error.into()))?;
+    stream.finish().map_err(|error| failed(plain(error)))?;
+    writer.finish().map_err(|error| failed(plain(error)))?;
     output.commit()?;
     let mut exported = Exported::new(format!(
         "{width} x {height} pixels, {:.1} m to each side, {:.3} m a column",
@@ -113,6 +113,16 @@ pub fn export_waterfall(
     ));
     exported.note_if(blind, "pings have no altitude and are black");
     Ok(exported)
+}
+
+/// The file's own error, which says more than the encoder's.
+fn plain(error: png::EncodingError) -> io::Error {
+    match error {
+        png::EncodingError::IoError(error) => error,
+        other @ (png::EncodingError::Format(_)
+        | png::EncodingError::Parameter(_)
+        | png::EncodingError::LimitsExceeded) => io::Error::other(other.to_string()),
+    }
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255")]

@@ -4,6 +4,10 @@
 #[path = "../../examples/survey/compose.rs"]
 mod compose;
 #[cfg(test)]
+mod exports;
+#[cfg(test)]
 mod inputs;
+#[cfg(test)]
+mod reader;
 #[cfg(test)]
 mod tools;

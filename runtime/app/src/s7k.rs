@@ -47,13 +47,10 @@ pub(crate) enum S7k {
     Cut(S7kCut),
     /// Convert a recording to SEG-Y, PNG, GeoTIFF, CSV or XTF
     ///
-    /// - segy: sub-bottom profiles (record 3001), SEG-Y revision 1, one trace a ping.
-    /// - png: sidescan (3000) as a picture, port to the left, time upwards.
-    /// - geotiff: sidescan as a georeferenced mosaic, 8 bits, 0 where there is no data.
-    /// - csv: vehicle data (3100), one row a frame, with a column for each quality bit.
-    /// - xtf: sidescan in the eXtended Triton Format, revision 42.
+    /// An export of sonar data has one device: name it with --device if the recording has several. A line on standard
+    /// error says what was written and what had to be left out.
     ///
-    /// The sonar exports take one device: name it with --device if the recording has several.
+    /// Exit code: 0 if the file was written, 2 if not.
     Export(S7kExport),
 }
 

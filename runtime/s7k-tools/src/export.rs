@@ -37,7 +37,7 @@ impl Exported {
 
     fn note_if(&mut self, count: usize, what: &str) {
         if count > 0 {
-            self.notes.push(format!("{count} {what}"));
+            self.notes.push(format!("{what}: {count}"));
         }
     }
 }

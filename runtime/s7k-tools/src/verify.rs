@@ -58,16 +58,24 @@ impl core::fmt::Display for Verdict {
             f.write_str("nothing wrong")?;
         } else {
             let kinds = [
-                (self.damage, "damaged places"),
-                (self.checksums, "wrong checksums"),
-                (self.records_undecodable, "records that are not what their type says"),
-                (self.values, "values outside their ranges"),
-                (self.catalogue_differences, "differences in the catalogue"),
+                (self.damage, "damaged place", "damaged places"),
+                (self.checksums, "wrong checksum", "wrong checksums"),
+                (
+                    self.records_undecodable,
+                    "record that is not what its type says",
+                    "records that are not what their types say",
+                ),
+                (self.values, "value outside its range", "values outside their ranges"),
+                (
+                    self.catalogue_differences,
+                    "difference in the catalogue",
+                    "differences in the catalogue",
+                ),
             ];
             let found: Vec<String> = kinds
                 .iter()
-                .filter(|(number, _)| *number > 0)
-                .map(|(number, what)| format!("{number} {what}"))
+                .filter(|(number, _, _)| *number > 0)
+                .map(|(number, one, many)| format!("{number} {}", if *number == 1 { one } else { many }))
                 .collect();
             f.write_str(&found.join(", "))?;
         }

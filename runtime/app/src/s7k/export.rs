@@ -13,15 +13,15 @@ use super::Recording;
 /// A format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// Sub-bottom profiles, SEG-Y revision 1
+    /// Sub-bottom profiles (record 3001) as SEG-Y revision 1, one trace a ping
     Segy,
-    /// Sidescan as a picture
+    /// Sidescan (3000) as a picture in grey, port to the left, time upwards
     Png,
-    /// Sidescan as a georeferenced mosaic
+    /// Sidescan (3000) as a georeferenced mosaic, 8 bits, 0 where there is no data
     Geotiff,
-    /// Vehicle data as a table
+    /// Vehicle data (3100) as a table, one row a frame, with a column for each quality bit
     Csv,
-    /// Sidescan, eXtended Triton Format revision 42
+    /// Sidescan (3000) in the eXtended Triton Format, revision 42
     Xtf,
 }
 

@@ -107,7 +107,7 @@ pub fn export_csv(source: &Source, selection: &Selection, what: CsvOf, out: &Pat
     let mut exported = Exported::new(format!("{rows} rows"));
     exported.note_if(
         wrong,
-        "frames have a checksum that is right by neither reading of the specification",
+        "frames whose checksum is right by neither reading of the specification",
     );
     Ok(exported)
 }

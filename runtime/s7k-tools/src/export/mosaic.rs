@@ -129,11 +129,8 @@ pub fn export_mosaic(source: &Source, selection: &Selection, mosaic: &Mosaic, ou
         "{} x {} cells of {} m, EPSG:{}",
         raster.width, raster.height, mosaic.resolution_m, georeference.epsg
     ));
-    exported.note_if(
-        survey.unplaced,
-        "pings have no time, position or heading and are left out",
-    );
-    exported.note_if(survey.blind, "pings have no altitude and are left out");
+    exported.note_if(survey.unplaced, "pings left out without a time, position or heading");
+    exported.note_if(survey.blind, "pings left out without an altitude");
     Ok(exported)
 }
 

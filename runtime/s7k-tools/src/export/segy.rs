@@ -105,9 +105,9 @@ pub fn export_segy(
     ));
     exported.note_if(
         by_header,
-        "traces have their position from EdgeTech's header, because navigation has none",
+        "traces with the position of EdgeTech's header, because navigation has none",
     );
-    exported.note_if(without_position, "traces have no position");
+    exported.note_if(without_position, "traces without a position");
     Ok(exported)
 }
 

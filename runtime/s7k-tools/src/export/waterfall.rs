@@ -111,7 +111,7 @@ pub fn export_waterfall(
         "{width} x {height} pixels, {:.1} m to each side, {:.3} m a column",
         line.reach_m, grid.step_m
     ));
-    exported.note_if(blind, "pings have no altitude and are black");
+    exported.note_if(blind, "pings without an altitude, which are black");
     Ok(exported)
 }
 

@@ -121,10 +121,10 @@ pub fn export_xtf(
     let mut exported = Exported::new(format!("{written} pings of two channels"));
     exported.note_if(
         without_position,
-        "pings have no position: navigation (record 3100) has none at their times",
+        "pings without a position, because navigation (record 3100) has none at their times",
     );
-    exported.note_if(without_time, "pings have no time");
-    exported.note_if(clipped, "samples are over the greatest number and are clipped");
+    exported.note_if(without_time, "pings without a time");
+    exported.note_if(clipped, "samples clipped at the greatest number");
     Ok(exported)
 }
 
@@ -139,7 +139,8 @@ fn file_header(source: &Source, imagery: &Imagery<'_>, frame: &FrameHeader, byte
     let mut bytes = vec![0; FILE_HEADER];
     let mut header = Part(&mut bytes);
     header.put(0, [0x7B, 1]);
-    header.text(2, 8, "backseat");
+    // Eight letters fill the field, which then has no closing zero.
+    header.text(2, 9, "backseat");
     header.text(10, 8, env!("CARGO_PKG_VERSION"));
     header.text(18, 16, "EdgeTech FS-DW");
     header.text(36, 64, &format!("from a RESON 7k recording, device {}", frame.device));

@@ -331,7 +331,7 @@ fn without_navigation_a_trace_has_the_position_of_its_own_header() {
     let done = export_segy(&dive.source, &all, Signal::Real, 0, &dive.out()).unwrap();
     assert_eq!(
         done.notes,
-        ["120 traces have their position from EdgeTech's header, because navigation has none"]
+        ["traces with the position of EdgeTech's header, because navigation has none: 120"]
     );
     let bytes = dive.written();
     assert_eq!((big(&bytes, 3672), big(&bytes, 3676)), (-255_240_000, 152_280_000));
@@ -358,7 +358,7 @@ fn exports_of_a_damaged_recording_have_what_is_whole() {
     let done = export_csv(&dive.source, &all, CsvOf::Navigation, &dive.out()).unwrap();
     assert_eq!(
         done.to_string(),
-        "305 rows; 1 frames have a checksum that is right by neither reading of the specification"
+        "305 rows; frames whose checksum is right by neither reading of the specification: 1"
     );
     export_mosaic(&dive.source, &device(11_002), &Mosaic::default(), &dive.out()).unwrap();
 }

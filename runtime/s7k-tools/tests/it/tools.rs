@@ -4,6 +4,7 @@ use std::io::Cursor;
 use std::path::PathBuf;
 
 use backseat_s7k::file::{FileItem, Frames, Index};
+use backseat_s7k::{DeviceId, FRAME_LIMIT, FrameHeader, FrameWriter};
 use backseat_s7k_tools::{Catalogue, Info, Selection, Source, cut, dump, info, verify, write_info};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -183,8 +184,7 @@ fn verify_has_a_line_with_its_place_for_each_fault() {
     }
     assert_eq!(
         verdict,
-        "888 records: 3 damaged places, 1 wrong checksums, 1 values outside their ranges, 1 differences in the \
-         catalogue"
+        "888 records: 3 damaged places, 1 wrong checksum, 1 value outside its range, 1 difference in the catalogue"
     );
 }
 
@@ -385,4 +385,25 @@ fn a_cut_without_records_says_what_there_is_and_writes_nothing() {
     );
     assert_eq!(error, expected);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_catalogue_longer_than_any_other_record_is_read() {
+    // 350,000 records have a catalogue of 16 MiB and more.
+    let record = {
+        let mut out = Vec::new();
+        let header = FrameHeader::new(9000, DeviceId(7)).at(compose::time(1.0));
+        FrameWriter::begin(header, &mut out).finish(FRAME_LIMIT).unwrap();
+        out
+    };
+    let bytes = compose::file(&vec![record; 350_000]);
+    let (info, _) = info_of(&bytes);
+    assert!(
+        matches!(info.catalogue, Catalogue::Matches { entries: 350_001, .. }),
+        "{:?}",
+        info.catalogue
+    );
+    assert_eq!((info.records, info.damage.bytes), (350_002, 0));
+    let (lines, verdict, right) = findings(&bytes);
+    assert!(right, "{} {verdict}", lines.len());
 }

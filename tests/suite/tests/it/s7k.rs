@@ -1,5 +1,6 @@
 //! The tools for recordings of the sonar: exit codes, outputs, and one line for what cannot be used.
 
+#[expect(dead_code, reason = "the tests of the tools use all of it")]
 #[path = "../../../../runtime/s7k-tools/examples/survey/compose.rs"]
 mod compose;
 
@@ -85,7 +86,8 @@ fn dump_and_cut_take_types_devices_and_times() {
         .run()
         .exit(0);
     assert!(cut.stdout.is_empty() && cut.stderr.starts_with("12 records, "), "{cut}");
-    s7k("verify", &out).run().exit(0);
+    let verified = s7k("verify", &out).run().exit(0);
+    assert_eq!(verified.stderr, "14 records: nothing wrong\n");
     let wrong = s7k("dump", &dive.whole).args(["--from", "yesterday"]).run().exit(2);
     assert!(
         wrong

@@ -11,6 +11,7 @@ import csv
 import datetime
 import math
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -240,7 +241,8 @@ def mosaic(survey, path, crs, resolution, drop):
 
 def picture(survey, path, ground):
     pings = survey.of(3000, 11002)
-    with rasterio.open(path) as file:
+    with warnings.catch_warnings(action="ignore"), rasterio.open(path) as file:
+        # A picture is not georeferenced.
         cells = file.read(1)
     check(cells.shape == (len(pings), 2000), path, "size", cells.shape)
     _, _, across, seconds = block(survey)

@@ -6,6 +6,8 @@ mod compose;
 #[cfg(test)]
 mod exports;
 #[cfg(test)]
+mod hostile;
+#[cfg(test)]
 mod inputs;
 #[cfg(test)]
 mod reader;

@@ -7,6 +7,7 @@ mod cross;
 mod demo;
 mod digest;
 mod explore;
+mod exports;
 mod hunt;
 mod mutations;
 mod plugins;
@@ -57,6 +58,8 @@ enum Task {
     Explore(explore::Explore),
     /// Fly the same seeds in several processes and builds, and compare the results
     Digest(digest::Digest),
+    /// Open the exports of `s7k export` with readers that others wrote (from PyPI), and compare every figure
+    Exports,
     /// Generate the pages in runtime/docs/reference and the schemas in missions/schemas from runtime/reference/keys
     Reference,
     /// Check the project's own rules
@@ -75,6 +78,7 @@ fn main() -> ExitCode {
         Task::Hunt(arguments) => hunt::hunt(&arguments),
         Task::Explore(arguments) => explore::explore(&arguments),
         Task::Digest(arguments) => digest::digest(&arguments),
+        Task::Exports => exports::exports(),
         Task::Reference => reference::reference(),
         Task::Tidy => tidy::tidy(),
     };

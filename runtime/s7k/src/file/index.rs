@@ -161,16 +161,18 @@ impl Index {
     /// [`IndexError`] if there is none, or if it does not fit the file.
     pub fn from_catalog<R: Read + Seek>(mut source: R) -> Result<Self, IndexError> {
         let bytes = source.seek(SeekFrom::End(0))?;
-        let record = read_record(&mut source, 0, bytes)?.ok_or(IndexError::NoCatalog)?;
+        let record = read_record(&mut source, 0, bytes, FRAME_LIMIT)?.ok_or(IndexError::NoCatalog)?;
         let location = Frame::read(&record, FRAME_LIMIT)
             .ok()
             .and_then(|frame| match Record::read(&frame) {
                 Ok(Record::FileHeader(header)) => header.catalog(),
                 _ => None,
             });
-        let CatalogLocation { offset, .. } = location.ok_or(IndexError::NoCatalog)?;
-        let record = read_record(&mut source, offset, bytes)?.ok_or(IndexError::NotThere { offset })?;
-        let frame = Frame::read(&record, FRAME_LIMIT).map_err(|_| IndexError::NotThere { offset })?;
+        let CatalogLocation { offset, size } = location.ok_or(IndexError::NoCatalog)?;
+        // The catalogue of many records is longer than any other record; the file header says how long.
+        let limit = FRAME_LIMIT.max(usize::try_from(size).unwrap_or(FRAME_LIMIT));
+        let record = read_record(&mut source, offset, bytes, limit)?.ok_or(IndexError::NotThere { offset })?;
+        let frame = Frame::read(&record, limit).map_err(|_| IndexError::NotThere { offset })?;
         let Ok(Record::Catalog(catalog)) = Record::read(&frame) else {
             return Err(IndexError::NotThere { offset });
         };
@@ -207,12 +209,12 @@ fn next_header<R: Read>(source: &mut R, left: u64, limit: usize) -> io::Result<O
 }
 
 /// The whole record at a place; `None` if there is none.
-fn read_record<R: Read + Seek>(source: &mut R, offset: u64, bytes: u64) -> io::Result<Option<Vec<u8>>> {
+fn read_record<R: Read + Seek>(source: &mut R, offset: u64, bytes: u64, limit: usize) -> io::Result<Option<Vec<u8>>> {
     if offset >= bytes {
         return Ok(None);
     }
     source.seek(SeekFrom::Start(offset))?;
-    let Some(header) = next_header(source, bytes - offset, FRAME_LIMIT)? else {
+    let Some(header) = next_header(source, bytes - offset, limit)? else {
         return Ok(None);
     };
     source.seek(SeekFrom::Start(offset))?;

@@ -186,6 +186,19 @@ fn an_index_is_the_same_with_and_without_the_catalogue() {
 }
 
 #[test]
+fn a_catalogue_longer_than_the_limit_of_records_is_read() {
+    // 350,000 entries of 48 bytes are over 16 MiB.
+    let mut writer = FileWriter::create(Cursor::new(Vec::new()), info(), Time7k::NONE).unwrap();
+    let record = record(1, 0);
+    for _ in 0..350_000 {
+        writer.write(&frame(&record)).unwrap();
+    }
+    let bytes = writer.finish(Time7k::NONE).unwrap().into_inner();
+    let index = Index::from_catalog(Cursor::new(&bytes)).unwrap();
+    assert_eq!(index.entries.len(), 350_002);
+}
+
+#[test]
 fn a_catalogue_that_lies_is_refused() {
     let mut bytes = file(3, true);
     let catalog = Index::scan(Cursor::new(&bytes)).unwrap().entries[4].offset;

@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn utm_agrees_with_proj() {
-        // 40 30 N, 73 30 W in zone 18, and the same mirrored to the south and east (zone 43), as PROJ 9 computes them.
+        // 40 30 N, 73 30 W in zone 18, and 40 30 S, 73 30 E in zone 43, as PROJ 9.7 computes them.
         let north = position(40.5, -73.5);
         let projection = Projection::new(Crs::Utm, north);
         assert_eq!(projection.epsg(), 32_618);

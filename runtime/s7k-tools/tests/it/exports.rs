@@ -215,10 +215,15 @@ fn a_mosaic_has_no_hole_between_its_pings() {
         format!("{width} x {height} cells of 0.5 m, EPSG:32619")
     );
     assert_eq!(size, [0.5, 0.5]);
-    // 42.3 N, 70.9 W in zone 19, as PROJ 9 computes it: inside the raster.
-    let (east, north) = (343_391.55, 4_684_868.34);
-    let (x, y) = ((east - corner[0]) / 0.5, (corner[1] - north) / 0.5);
-    assert!(x > 0.0 && y > 0.0 && x < width as f64 && y < height as f64, "{x} {y}");
+    // The line begins at 42.3 N, 70.9 W, heading 040: in zone 19 here, as PROJ 9.7 computes it. The swath is before this
+    // place and not behind it.
+    let (east, north) = (343_385.022_7, 4_684_833.754_5);
+    let cell = |along_m: f64| {
+        let (sin, cos) = backseat_units::math::sin_cos(compose::HEADING_DEG.to_radians());
+        let (x, y) = (east + along_m * sin - corner[0], corner[1] - north - along_m * cos);
+        cells[(y / 0.5) as usize * width + (x / 0.5) as usize]
+    };
+    assert_eq!((cell(-1.0), cell(1.0) > 0), (0, true));
     // A cell without data has a neighbour on each side without data too, or is at the edge of the swath: no single hole.
     let holes = (1..height - 1)
         .flat_map(|row| (1..width - 1).map(move |column| row * width + column))

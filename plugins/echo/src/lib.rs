@@ -25,7 +25,7 @@ pub enum Answer {
     Input,
     /// With [`every_request`].
     EveryRequest,
-    /// With no requests. It asks the fence about each of [`every_request`] and logs the answer.
+    /// With no requests. It asks the fence about each request of [`every_request`] and logs the answers.
     AskFence,
 }
 
@@ -78,7 +78,7 @@ impl Plugin for Echo {
             Answer::AskFence => {
                 for request in every_request() {
                     match fence::check(&request) {
-                        Ok(metres) => log::info!("holds by {metres} m"),
+                        Ok(metres) => log::info!("inside, with {metres} m to spare"),
                         Err(refusal) => log::info!("{:?}: {:?} m, {}", refusal.rule, refusal.missing_m, refusal.text),
                     }
                 }
@@ -101,7 +101,7 @@ fn said_back(input: &StepInput) -> Vec<Request> {
         .collect()
 }
 
-/// Every kind of request in all its variants, with values that all differ.
+/// Every kind of request in all its variants. All values differ, so that none can be mistaken for another.
 #[must_use]
 pub fn every_request() -> Vec<Request> {
     let position = |latitude, longitude| Position { latitude, longitude };
@@ -253,7 +253,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_input_of_any_length_is_said_back_whole() {
+    fn an_input_of_any_length_is_echoed_whole() {
         let input = StepInput {
             events: vec![backseat_sdk::Event::MissionCommand("x".repeat(20_000))],
             ..StepInput::default()

@@ -22,14 +22,16 @@ pub struct Config {
     /// How steep the seabed generally is, metres per metre, 0.002 to 0.5.
     #[serde(default = "default::slope")]
     pub slope: f64,
-    /// How far along the contour to aim, metres, 5 to 200. A smaller value steers more sharply, a larger one more
-    /// calmly.
+    /// How far along the contour to aim, metres, 5 to 200. With a smaller value the vehicle turns towards the contour
+    /// more sharply, with a larger one more calmly.
     #[serde(default = "default::lookahead_m")]
     pub lookahead_m: f64,
-    /// The distance over which the estimate of the seabed forgets (to 1/e), metres, 5 to 500.
+    /// The distance over which the estimate of the seabed forgets old samples (their weight falls to 1/e), metres, 5 to
+    /// 500.
     #[serde(default = "default::memory_m")]
     pub memory_m: f64,
-    /// How long to keep the last heading without bottom lock before the vehicle steers itself again, seconds, 0 to 600.
+    /// How long to keep the last heading without bottom lock, seconds, 0 to 600. After that the vehicle steers itself
+    /// again.
     #[serde(default = "default::hold_s")]
     pub hold_s: f64,
     /// The duration of each modify, seconds, 6 to 600; at most the mission's `modify_term_max_s`.
@@ -150,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_table_is_enough_and_deep_water_has_its_side() {
+    fn the_required_keys_suffice_and_say_on_which_side_deep_water_is() {
         let config = parse(SMALL).unwrap();
         assert_eq!(config.validate(), Ok(()));
         assert_eq!(config.deep_side(), 1.0);
@@ -162,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_by_key_and_range() {
+    fn an_invalid_value_is_refused_with_its_key_and_range() {
         assert_eq!(refusal("30.0", "-3.0"), "contour_m is -3: expected above 0 to 6000 m");
         assert_eq!(refusal("12.0", "31.0"), "depth_m is 31: expected less than contour_m");
         assert_eq!(refusal("1.5", "9.0"), "speed_mps is 9: expected 0.3 to 3 m/s");

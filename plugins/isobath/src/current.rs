@@ -3,9 +3,10 @@ use serde::{Deserialize, Serialize};
 
 /// The memory of the estimate, seconds.
 const MEMORY_S: f64 = 30.0;
-/// In faster turns the vehicle slips sideways, which is not a current, degrees per second.
+/// The fastest turn in which samples are used, degrees per second. In faster turns the vehicle slips sideways, which
+/// looks like a current.
 const TURN_MAX_DPS: f64 = 4.0;
-/// A stronger current is an error in the data, metres per second.
+/// The strongest current that is believed, metres per second. A stronger one is an error in the data.
 const CURRENT_MAX_MPS: f64 = 1.5;
 
 /// Estimates the current as velocity over ground minus velocity through the water, low-pass filtered.
@@ -69,7 +70,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_heading_makes_the_course_good(
+        fn the_heading_leads_to_the_course(
             east in -0.3..0.3f64, north in -0.3..0.3f64, heading in 0.0..360.0f64, course in 0.0..360.0f64,
         ) {
             let mut current = CurrentEstimate::default();
@@ -85,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_and_nonsense_are_no_current() {
+    fn turns_and_invalid_samples_do_not_change_the_current() {
         let mut current = CurrentEstimate::default();
         current.measure(0.0, 1.5, (0.5, 1.5), 9.0, 0.5);
         current.measure(0.0, 1.5, (9.0, 1.5), 0.0, 0.5);

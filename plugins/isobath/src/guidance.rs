@@ -3,7 +3,7 @@ use backseat_sdk::units::math::{atan, hypot, wrap_360};
 
 use crate::seabed::Estimate;
 
-/// On a flatter seabed the direction of the contour is too uncertain to steer by, metres per metre.
+/// The least slope to steer by, metres per metre. On a flatter seabed the direction of the contour is too uncertain.
 const SLOPE_MIN: f64 = 0.004;
 /// How far ahead the contour's direction is taken, as seconds of travel, to make up for the lag of the vehicle's turn.
 const LEAD_S: f64 = 4.0;
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn on_the_contour_it_goes_along_with_deep_water_on_its_side() {
+    fn on_the_contour_it_follows_it_with_deep_water_on_the_given_side() {
         assert!((guidance(1.0).aim(&south(30.0)).course_deg - 90.0).abs() < 1e-9);
         assert!((guidance(-1.0).aim(&south(30.0)).course_deg - 270.0).abs() < 1e-9);
     }
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bend_is_turned_into_before_it_is_reached() {
+    fn it_turns_before_it_reaches_a_bend() {
         // The gradient turns from south to south-east towards the east, so the contour bends to the left.
         let bend = Estimate {
             bend_per_m: [1e-4, 0.0, 0.0],

@@ -17,12 +17,12 @@ const HEADING_STEP_DEG: f64 = 0.3;
 const RENEW_NS: u64 = 4 * SECOND_NS;
 /// The pause after a lease that ended for a reason other than the fence.
 const AGAIN_NS: u64 = SECOND_NS;
-/// Without a sample for this long there is no bottom lock.
+/// If there is no sample for this long, there is no bottom lock.
 const LOCK_NS: u64 = 2 * SECOND_NS;
 /// The time that the vehicle needs to reach the requested speed.
 const SPEED_SETTLES_NS: u64 = 15 * SECOND_NS;
-/// Within the first distance of the contour the vehicle counts as following it; beyond the second it acquires it again,
-/// metres.
+/// Within the first distance of the contour the vehicle counts as following it. Beyond the second it counts as on its
+/// way to it again. Metres.
 const FOLLOW_M: f64 = 15.0;
 const LOST_M: f64 = 80.0;
 /// The time between two lines of progress.
@@ -222,10 +222,10 @@ impl Isobath {
         self.lease_over(self.state.tag + 1, now_ns + AGAIN_NS);
     }
 
-    /// Near the edge of the fence the vehicle steers itself: no other heading is tried.
+    /// Near the edge of the fence the plugin tries no other heading and lets the vehicle steer itself.
     fn rejected(&mut self, why: &str, now_ns: u64, requests: &mut Vec<Request>) {
-        // Only the newest request was rejected. An older one may still be carried out, and would lead to where this one
-        // may not go.
+        // Only the newest request was rejected. The vehicle may still carry out an older one, which leads to where this
+        // one may not go.
         let asked = self.state.asked;
         let by_fence = asked.is_none_or(|asked| fence::check(&self.modify(asked.heading_deg)).is_err());
         let wait_ns = if by_fence {

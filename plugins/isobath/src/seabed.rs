@@ -11,7 +11,7 @@ const SLOPE_SIGMA: f64 = 0.02;
 const BEND_SIGMA_PER_M: f64 = 0.8e-4;
 /// Samples farther from the surface than this many standard deviations are outliers.
 const GATE: f64 = 4.0;
-/// After this many outliers in a row the surface is wrong, not the samples.
+/// After this many outliers in a row, the surface must be wrong, and not the samples.
 const OUTLIERS_MAX: u32 = 10;
 /// The noise of a sample, metres: the initial value, and the range within which it is estimated.
 const NOISE_FIRST_M: f64 = 0.2;
@@ -23,7 +23,7 @@ const NOISE_GAIN: f64 = 0.02;
 /// A surface fitted to the water depth around the vehicle, by recursive least squares in information form.
 ///
 /// The surface is D + g·x + x·Hx/2 around the vehicle, and moves exactly with it. A straight run along a contour
-/// contains no information on the slope across it, and plain exponential forgetting would let that estimate wind up
+/// contains no information on the slope across it, and with plain exponential forgetting that estimate would wind up
 /// (Åström and Wittenmark, *Adaptive Control*, section 11.5). The fit therefore forgets towards a general slope without
 /// bends: stabilised forgetting, Λ ← λΛ + (1 - λ)Λ₀ (Kulhavý and Zarrop, "On a general concept of forgetting", Int. J.
 /// Control 58(4), 1993). λ falls with the distance travelled, not with time, because the seabed does not change.
@@ -75,7 +75,7 @@ impl Estimate {
 
 impl Seabed {
     /// A surface before any measurement: `slope` metres deeper per metre towards `deeper_toward_deg`. The fit forgets
-    /// towards it over `memory_m` metres of travel.
+    /// towards this slope over `memory_m` metres of travel.
     #[must_use]
     pub fn new(slope: f64, deeper_toward_deg: f64, memory_m: f64) -> Self {
         Self {
@@ -89,7 +89,7 @@ impl Seabed {
         }
     }
 
-    /// Takes in a water depth measured at a position. Returns false for an outlier, which is not used.
+    /// Takes in a water depth measured at a position. Returns false if the sample is an outlier and was not used.
     pub fn measure(&mut self, at: EastNorth, water_depth_m: f64) -> bool {
         if !(at.east_m.is_finite() && at.north_m.is_finite() && water_depth_m.is_finite()) {
             return false;
@@ -210,7 +210,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_plane_is_found_whatever_was_assumed(
+        fn a_plane_is_found_whatever_slope_was_assumed(
             slope in 0.015..0.07f64, toward in 0.0..360.0f64, assumed in 0.0..360.0f64,
         ) {
             let gradient = EastNorth::default().offset(toward, slope);
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn outliers_are_left_out_but_a_step_of_the_seabed_is_believed() {
+    fn outliers_are_left_out_but_a_step_of_the_seabed_is_followed() {
         let mut seabed = Seabed::new(0.03, 0.0, 40.0);
         let at = run(&mut seabed, |at| 30.0 + 0.03 * at.north_m, 100);
         let before = seabed.estimate().unwrap();
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_straight_run_keeps_a_slope_across() {
+    fn a_straight_run_keeps_the_slope_across_it() {
         // Plain forgetting would lose it, and make the matrix singular.
         let mut seabed = Seabed::new(0.04, 0.0, 40.0);
         for index in 0..4000 {
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_not_measured() {
+    fn invalid_samples_are_not_used() {
         let mut seabed = Seabed::new(0.03, 0.0, 40.0);
         assert!(!seabed.measure(EastNorth::default(), f64::NAN));
         assert!(!seabed.measure(EastNorth::new(f64::INFINITY, 0.0), 3.0));

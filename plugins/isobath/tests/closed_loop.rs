@@ -14,7 +14,8 @@ use backseat_sdk::{Refusal, Rule};
 use isobath::Isobath;
 use sea::{Sea, Trial, config};
 
-/// The mission promises 10 m for both; this test asks for half of it.
+/// The mission expects the plugin to come within 10 m of the contour in 600 s, and then to follow it with an RMS of at
+/// most 10 m. This test demands an RMS of less than 6 m.
 #[test]
 fn it_finds_and_follows_the_contour_in_every_world() {
     let mut worst = (0.0, 0);
@@ -55,7 +56,7 @@ fn it_finds_and_follows_the_contour_in_every_world() {
 }
 
 #[test]
-fn a_restored_instance_goes_on_identically() {
+fn a_restored_instance_continues_identically() {
     let mut trial = Trial::new(Sea::drawn(7));
     for _ in 0..600 {
         trial.step();
@@ -82,7 +83,7 @@ fn modifies(requests: &[Request]) -> usize {
 }
 
 #[test]
-fn a_refused_heading_gives_the_helm_back_and_is_tried_again_later() {
+fn a_refused_heading_ends_the_modify_and_is_tried_again_later() {
     let mut trial = Trial::new(Sea::drawn(3));
     for _ in 0..400 {
         trial.step();
@@ -104,7 +105,7 @@ fn a_refused_heading_gives_the_helm_back_and_is_tried_again_later() {
         asks += modifies(&trial.plugin.step(&input).unwrap());
         trial.fly(&[]);
     }
-    assert_eq!(asks, 0, "not before 10 s are over");
+    assert_eq!(asks, 0, "it waits 10 s before it asks again");
     for _ in 0..4 {
         let input = trial.input();
         asks += modifies(&trial.plugin.step(&input).unwrap());
@@ -114,7 +115,7 @@ fn a_refused_heading_gives_the_helm_back_and_is_tried_again_later() {
 }
 
 #[test]
-fn without_control_it_asks_for_nothing_and_goes_on_when_it_is_back() {
+fn without_control_it_makes_no_requests_and_continues_when_control_returns() {
     let mut trial = Trial::new(Sea::drawn(4));
     for _ in 0..1000 {
         trial.step();
@@ -132,7 +133,7 @@ fn without_control_it_asks_for_nothing_and_goes_on_when_it_is_back() {
 }
 
 #[test]
-fn without_bottom_lock_it_holds_its_heading_and_then_lets_go() {
+fn without_bottom_lock_it_keeps_its_heading_and_then_ends_the_modify() {
     let mut trial = Trial::new(Sea::drawn(5));
     for _ in 0..1000 {
         trial.step();
@@ -152,7 +153,10 @@ fn without_bottom_lock_it_holds_its_heading_and_then_lets_go() {
         }
         trial.fly(&requests);
     }
-    assert!(headings.len() >= 5, "renewed while it held: {headings:?}");
+    assert!(
+        headings.len() >= 5,
+        "the modify is renewed while the heading is kept: {headings:?}"
+    );
     assert!(headings.iter().all(|heading| *heading == headings[0]), "{headings:?}");
     let ended_s = ended_s.unwrap();
     assert!((29.0..32.0).contains(&ended_s), "{ended_s}");
@@ -160,7 +164,10 @@ fn without_bottom_lock_it_holds_its_heading_and_then_lets_go() {
     for _ in 0..4 {
         trial.step();
     }
-    assert!(matches!(trial.last, Some(Request::Modify(_))), "back with the lock");
+    assert!(
+        matches!(trial.last, Some(Request::Modify(_))),
+        "it steers again once there is bottom lock"
+    );
 }
 
 #[test]
@@ -184,7 +191,7 @@ fn a_lease_is_renewed_long_before_it_runs_out() {
 }
 
 #[test]
-fn an_input_without_anything_is_survived() {
+fn an_empty_input_is_accepted() {
     let mut plugin = Isobath::new(config(&Sea::drawn(1))).unwrap();
     assert_eq!(plugin.step(&StepInput::default()).unwrap(), []);
     let control = StepInput {

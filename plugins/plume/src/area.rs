@@ -126,8 +126,8 @@ impl Area {
         )
     }
 
-    /// A lawnmower pattern: parallel lines at most `spacing_m` apart, the outer ones half of that from the long sides.
-    /// It begins at the corner closest to `from`.
+    /// A lawnmower pattern: parallel lines at most `spacing_m` apart; the outer lines lie half of that distance from
+    /// the long sides. It begins at the corner closest to `from`.
     #[must_use]
     pub fn lawnmower(&self, spacing_m: f64, from: EastNorth) -> Vec<Line> {
         // At most 2000, because the configuration is validated.
@@ -206,7 +206,7 @@ mod tests {
             prop_assert!(nearest_m <= spacing / 2.0 + 1e-6);
             prop_assert!(lines.iter().all(|line| area.contains(line.start, 1e-6) && area.contains(line.end, 1e-6)));
             for pair in lines.windows(2) {
-                prop_assert!(pair[0].end.distance_m(pair[1].start) <= spacing + 1e-6, "no way back");
+                prop_assert!(pair[0].end.distance_m(pair[1].start) <= spacing + 1e-6, "the lines are far apart");
             }
             let corner_m = lines[0].start.distance_m(area.point(300.0, -250.0));
             prop_assert!(corner_m <= spacing / 2.0 + 1e-6);
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_shortened_only_so_far() {
+    fn a_line_is_not_shortened_below_its_least_length() {
         let line = Line {
             start: EastNorth::new(0.0, 0.0),
             end: EastNorth::new(200.0, 0.0),

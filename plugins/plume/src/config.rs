@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_box_by_its_corners_or_its_middle() {
+    fn a_box_is_given_by_its_corners_or_its_centre() {
         let area = config("70,", "70,").unwrap().area.area().unwrap();
         assert!(
             (area.length_m() - 605.0).abs() < 2.0 && (area.width_m() - 500.0).abs() < 1.0,
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_by_key_and_range() {
+    fn an_invalid_value_is_refused_with_its_key_and_range() {
         assert_eq!(
             config(": 70", ": 7").unwrap_err(),
             "line_spacing_m is 7: expected 10 to 1000 m"

@@ -12,9 +12,10 @@ const SIGMA_MIN_M: f64 = 10.0;
 const SIGMA_MAX_M: f64 = 1000.0;
 /// The fit ends when the centre moves by less than this, metres.
 const SETTLED_M: f64 = 0.05;
-/// Below this fraction of the peak, the logarithm describes the background more than the peak.
+/// The least value of a bin for the fit, as a fraction of the peak. Below it, the logarithm describes the background
+/// more than the peak.
 const FOOT: f64 = 0.1;
-/// The same for less than this many standard deviations of a bin's noise.
+/// The same, as a number of standard deviations of a bin's noise.
 const FOOT_SIGMAS: f64 = 3.0;
 /// Fewer bins on the peak than this do not determine its shape.
 const BINS_MIN: u32 = 8;

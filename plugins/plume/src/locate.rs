@@ -98,7 +98,7 @@ pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
     })
 }
 
-/// The root mean square error of a fit where it is not low.
+/// The root mean square error of a fit, at the bins where its shape is above a tenth of its peak.
 fn misfit(fit: &Gaussian, bins: &[Bin]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for bin in bins {
@@ -257,13 +257,13 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_found_where_there_is_nothing() {
+    fn no_maximum_is_found_where_there_is_none() {
         assert_eq!(locate(&[], &area(), 70.0), None);
         assert_eq!(locate(&map(|at| 12.0 + 4e-4 * at.east_m), &area(), 70.0), None);
     }
 
     #[test]
-    fn a_peak_that_is_no_gaussian_is_found_too() {
+    fn a_peak_that_is_not_gaussian_is_found_too() {
         // A flat disc: its logarithm is not a parabola.
         let middle = EastNorth::new(120.0, -60.0);
         let disc = |at: EastNorth| if at.distance_m(middle) < 90.0 { 12.8 } else { 12.0 };
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn a_peak_on_a_slope_is_found_inside_the_area_only() {
+    fn a_peak_on_a_slope_is_found_inside_the_area() {
         for middle in [EastNorth::new(-250.0, 200.0), EastNorth::new(0.0, 0.0)] {
             let field = |at: EastNorth| {
                 let from_m = at.distance_m(middle);

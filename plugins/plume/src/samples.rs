@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 const SECOND_NS: u64 = 1_000_000_000;
 /// How many fixes are kept to locate samples: enough for the latest sample.
 const FIXES_MAX: usize = 64;
-/// How far beyond the newest fix its velocity is used.
+/// For how long after the newest fix its velocity is used.
 const BEYOND_NS: u64 = 2 * SECOND_NS;
-/// Between two fixes farther apart than this the path is unknown.
+/// The longest time between two fixes. The path between fixes farther apart is unknown.
 const GAP_NS: u64 = 10 * SECOND_NS;
 /// A bin is complete with this many samples, or at this length or time.
 const BIN_SAMPLES: u32 = 10;
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_is_interpolated_and_a_little_beyond_extrapolated() {
+    fn a_position_is_interpolated_and_extrapolated_a_little() {
         let samples = samples();
         let (at, depth_m) = samples.place(1_500_000_000).unwrap();
         assert!((at.east_m - 2.25).abs() < 1e-9 && (depth_m - 11.5).abs() < 1e-9);
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_in_a_row_are_averaged_and_a_jump_begins_anew() {
+    fn successive_samples_are_averaged_and_a_jump_begins_a_new_bin() {
         let mut samples = samples();
         for index in 0..13u64 {
             let east_m = 1.5 * index as f64;

@@ -420,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn two_are_queued_ahead_and_none_is_asked_twice() {
+    fn two_legs_are_queued_and_none_is_requested_twice() {
         let mut survey = survey(5);
         let asked: Vec<_> = std::iter::from_fn(|| survey.ask(0)).collect();
         assert_eq!(asked, [(0, 1), (1, 2), (2, 3)]);
@@ -445,12 +445,16 @@ mod tests {
             20,
         );
         assert!(matches!(turn, Turn::Again(_)), "{turn:?}");
-        assert_eq!(survey.ask(21 * SECOND_NS), None, "not at once");
+        assert_eq!(
+            survey.ask(21 * SECOND_NS),
+            None,
+            "the leg is not requested again at once"
+        );
         assert_eq!(survey.ask(26 * SECOND_NS), Some((0, 2)));
     }
 
     #[test]
-    fn a_cap_that_is_reached_wears_no_leg_out() {
+    fn a_reached_cap_uses_up_no_attempts_of_a_leg() {
         let mut survey = survey(4);
         for _ in 0..3 {
             survey.ask(0);
@@ -466,11 +470,11 @@ mod tests {
             );
             assert_eq!(survey.ask((now_s + 6) * SECOND_NS), Some((2, tag + 1)));
         }
-        assert_eq!(survey.tasks[2].leg, line(2), "not made smaller");
+        assert_eq!(survey.tasks[2].leg, line(2), "the leg is not made smaller");
     }
 
     #[test]
-    fn a_new_instance_takes_up_what_is_open() {
+    fn a_new_instance_continues_with_what_is_open() {
         let mut survey = survey(5);
         for _ in 0..3 {
             survey.ask(0);

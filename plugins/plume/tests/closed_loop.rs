@@ -41,7 +41,7 @@ fn it_circles_the_maximum_in_nearly_every_world() {
 }
 
 #[test]
-fn a_restored_instance_goes_on_identically() {
+fn a_restored_instance_continues_identically() {
     let mut trial = Trial::new(5);
     for _ in 0..4000 {
         trial.step();
@@ -56,13 +56,13 @@ fn a_restored_instance_goes_on_identically() {
         assert_eq!(requests, second.step(&input).unwrap());
         trial.fly(&requests);
     }
-    assert!(trial.done, "the rest of the survey was compared");
+    assert!(trial.done, "the comparison covers the rest of the survey");
     assert_eq!(trial.plugin.snapshot(), second.snapshot());
     assert!(second.restore(&snapshot[..9]).unwrap_err().contains("does not parse"));
 }
 
 #[test]
-fn after_a_failure_nothing_is_asked_twice_and_the_survey_ends_well() {
+fn after_a_failure_nothing_is_requested_twice_and_the_survey_succeeds() {
     let mut trial = Trial::new(8);
     for _ in 0..1200 {
         trial.step();
@@ -144,7 +144,7 @@ fn failures_and_passing_refusals_are_tried_again_a_bounded_number_of_times() {
 }
 
 #[test]
-fn without_control_it_asks_for_nothing_and_goes_on_when_it_is_back() {
+fn without_control_it_makes_no_requests_and_continues_when_control_returns() {
     let mut trial = Trial::new(14);
     for _ in 0..2000 {
         trial.step();
@@ -161,7 +161,7 @@ fn without_control_it_asks_for_nothing_and_goes_on_when_it_is_back() {
 }
 
 #[test]
-fn an_input_without_anything_is_survived() {
+fn an_empty_input_is_accepted() {
     let mut plugin = Plume::new(config(&Field::drawn(1))).unwrap();
     assert_eq!(plugin.step(&StepInput::default()).unwrap(), []);
     let control = StepInput {

@@ -106,7 +106,7 @@ fn text(asked: &[Vec<Request>]) -> String {
 }
 
 #[test]
-fn it_asks_for_every_kind_in_one_dive() {
+fn it_makes_requests_of_every_kind_in_one_dive() {
     let mut hovering = prober(Config {
         hovering: true,
         ..config()
@@ -119,7 +119,7 @@ fn it_asks_for_every_kind_in_one_dive() {
 }
 
 #[test]
-fn it_asks_for_nothing_but_the_kinds_that_it_is_told() {
+fn it_makes_only_requests_of_the_configured_kinds() {
     let only = vec![Kind::Modify, Kind::Trackcircle];
     let mut prober = prober(Config {
         kinds: Some(only.clone()),
@@ -130,7 +130,7 @@ fn it_asks_for_nothing_but_the_kinds_that_it_is_told() {
 }
 
 #[test]
-fn however_bold_some_of_what_it_asks_for_is_inside_and_short() {
+fn even_at_full_boldness_some_lines_are_inside_the_box() {
     for seed in 0..100 {
         let bold = Config {
             seed,
@@ -150,7 +150,7 @@ fn however_bold_some_of_what_it_asks_for_is_inside_and_short() {
 }
 
 #[test]
-fn its_leases_stand_for_some_of_the_time_only() {
+fn its_leases_last_only_some_of_the_time() {
     let mut steps = 0;
     for seed in 0..20 {
         let asked = dive(&mut prober(Config { seed, ..config() }), 0, DIVE, true);
@@ -167,7 +167,7 @@ fn its_leases_stand_for_some_of_the_time_only() {
 }
 
 #[test]
-fn a_step_asks_for_no_more_than_a_step_may() {
+fn a_step_makes_no_more_requests_than_allowed() {
     for seed in 0..50 {
         let bold = Config {
             seed,
@@ -182,7 +182,7 @@ fn a_step_asks_for_no_more_than_a_step_may() {
 }
 
 #[test]
-fn without_control_only_the_bold_ask_and_seldom() {
+fn without_control_only_a_bold_prober_makes_requests_and_seldom() {
     let count = |boldness| {
         let config = Config { boldness, ..config() };
         dive(&mut prober(config), 0, DIVE, false).iter().flatten().count()
@@ -193,14 +193,14 @@ fn without_control_only_the_bold_ask_and_seldom() {
 }
 
 #[test]
-fn the_same_seed_asks_for_the_same_and_another_for_other_things() {
+fn the_same_seed_gives_the_same_requests_and_another_seed_others() {
     let run = |seed| text(&dive(&mut prober(Config { seed, ..config() }), 0, 600, true));
     assert_eq!(run(1), run(1));
     assert_ne!(run(1), run(2));
 }
 
 #[test]
-fn a_restored_instance_goes_on_as_the_old_one_would_have() {
+fn a_restored_instance_continues_as_the_old_one_would_have() {
     let mut first = prober(config());
     dive(&mut first, 0, 600, true);
     let mut second = prober(config());
@@ -230,7 +230,7 @@ fn a_new_instance_knows_only_what_is_open() {
 }
 
 #[test]
-fn a_configuration_that_makes_no_sense_is_refused_by_its_key() {
+fn an_invalid_value_is_refused_with_its_key() {
     let refusal = |config: Config| Prober::new(config).unwrap_err();
     let bold = Config {
         boldness: 1.5,

@@ -137,7 +137,7 @@ mod tests {
     crate::export!(Counter);
 
     #[test]
-    fn an_instance_lives_from_init_to_restore() {
+    fn an_instance_is_initialised_stepped_and_restored() {
         let slot = Slot::<Counter>::default();
         assert_eq!(step(&slot, &StepInput::default()).unwrap_err(), NOT_INITIALISED);
         init(&slot, r#"{"count": 3}"#).unwrap();
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_configuration_is_refused_by_its_key() {
+    fn the_refusal_of_a_configuration_names_the_key() {
         let refusal = |json| parse::<Config>(json).unwrap_err();
         assert_eq!(
             refusal(r#"{"cuont": 3}"#),

@@ -1,4 +1,4 @@
-//! Questions to the runtime's fence, before making a request.
+//! Asks the runtime's fence about a request before it is made.
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::Rule;

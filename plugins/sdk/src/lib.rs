@@ -58,10 +58,10 @@
 //! Most requests carry a `tag` that the plugin chooses. Each [`Event::Outcome`] reports a new [`State`] of the request
 //! with that tag. Use a new tag for each request that you want to follow.
 //!
-//! - A [`Modify`], or a [`Station`] of a hovering vehicle, lasts for its duration. The runtime refreshes it for that
-//!   time, so request it again before it runs out, or when the setpoint changes.
-//! - A [`Trackline`] or [`Trackcircle`] is flown by the vehicle by itself once it has accepted it. So is a [`GpsHit`],
-//!   which cannot be cancelled.
+//! - A [`Modify`], or a [`Station`] of a hovering vehicle, lasts for its duration, and the runtime refreshes it for
+//!   that time. Request it again before that time is over, or when the setpoint changes.
+//! - Once the vehicle has accepted a [`Trackline`], [`Trackcircle`] or [`GpsHit`], it flies it by itself. A [`GpsHit`]
+//!   cannot be cancelled.
 //! - Any other request ends when the vehicle has reported whether it carried it out.
 //!
 //! # Grants
@@ -79,6 +79,7 @@
 //! |---|---|
 //! | `modify` | [`Request::Modify`], [`Request::EndModify`] |
 //! | `insert` | [`Request::Trackline`], [`Request::Trackcircle`], [`Request::Cancel`] |
+//! | `interrupt` | together with `insert`: a [`Trackline`] or [`Trackcircle`] that interrupts the current behavior |
 //! | `message` | [`Request::Message`] |
 //! | `surface` | [`Request::GpsHit`], where the fence lets the vehicle surface |
 //! | `topside` | [`Request::Topside`] |

@@ -20,8 +20,8 @@ pub fn is_plain(text: &str) -> bool {
 }
 
 impl Request {
-    /// The request's own tag, which its outcomes carry. `None` for a request without outcomes, and for a cancel, which
-    /// carries the tag of the request to cancel.
+    /// The request's own tag, which its outcomes carry too. `None` for a request without outcomes, and for a cancel,
+    /// which carries the tag of the request to cancel.
     #[must_use]
     pub const fn tag(&self) -> Option<u64> {
         match self {
@@ -45,8 +45,7 @@ impl Request {
 
 impl Packet {
     /// Splits data into a packet of frames of `frame_bytes` bytes each; the last frame may be shorter. Returns `None`
-    /// if
-    /// `data` is empty, if `frame_bytes` is 0 or above [`FRAME_BYTES`], or if more than [`FRAMES`] frames would be
+    /// if `data` is empty, if `frame_bytes` is 0 or above [`FRAME_BYTES`], or if more than [`FRAMES`] frames would be
     /// needed.
     #[must_use]
     pub fn of(tag: u64, destination: u32, mode: i32, data: &[u8], frame_bytes: usize) -> Option<Self> {
@@ -76,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_packet_has_no_more_frames_than_there_are() {
+    fn a_packet_has_at_most_eight_frames() {
         let packet = Packet::of(1, 2, 0, &[7; 70], 32).unwrap();
         let lengths: Vec<usize> = packet.frames.iter().map(Vec::len).collect();
         assert_eq!(lengths, [32, 32, 6]);
@@ -88,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn only_plain_text_can_stand_in_a_sentence() {
+    fn only_plain_text_can_be_sent_in_a_sentence() {
         assert!(is_plain("depth 12.5 m: steady"));
         for text in ["12,5", "a*4E", "$BPABT", "two\nlines", "caf\u{e9}", &"x".repeat(257)] {
             assert!(!is_plain(text), "{text}");

@@ -29,7 +29,7 @@ pub struct HoldHeading {
 
 /// The time from one step to the next.
 const PERIOD_NS: u64 = 1_000_000_000;
-/// How long a request lasts. It is longer than the period, so that the request does not lapse if one step is late.
+/// How long a request lasts. This is longer than the period, so that the request does not lapse if one step is late.
 const STANDS_NS: u64 = 3 * PERIOD_NS;
 
 impl Plugin for HoldHeading {
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn asks_only_while_it_has_control() {
+    fn it_makes_requests_only_with_control() {
         let mut plugin = plugin();
         assert_eq!(plugin.step(&StepInput::default()).unwrap(), []);
         let with_control = StepInput {
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_instance_goes_on_with_new_tags() {
+    fn a_new_instance_continues_with_new_tags() {
         let mut first = plugin();
         first
             .step(&StepInput {
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_heading_that_makes_no_sense_is_refused() {
+    fn an_invalid_heading_is_refused() {
         assert!(
             HoldHeading::new(Config {
                 heading_deg: 400.0,

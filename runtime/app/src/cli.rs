@@ -9,6 +9,7 @@ use crate::log::Log;
 #[cfg(feature = "simulation")]
 use crate::mvc::Mvc;
 use crate::run::Run;
+use crate::s7k::S7k;
 #[cfg(feature = "simulation")]
 use crate::sim::Sim;
 use crate::spi::Spi;
@@ -46,6 +47,9 @@ pub(crate) enum Command {
     /// List, decode and encode SPI messages, or watch a live vehicle
     #[command(subcommand)]
     Spi(Spi),
+    /// Inspect, check, cut and convert recordings of the sonar payload (.s7k)
+    #[command(subcommand)]
+    S7k(S7k),
     /// Explain a key of a mission's files, such as turn_rate_dps
     Explain(Explain),
 }

@@ -21,6 +21,7 @@ mod plugins;
 mod real_time;
 mod recording;
 mod run;
+mod s7k;
 mod service;
 #[cfg(feature = "simulation")]
 mod sim;
@@ -80,6 +81,7 @@ fn program() -> ExitCode {
         Command::Check(arguments) => check::check(arguments),
         Command::Log(command) => log::log(command),
         Command::Spi(command) => spi::spi(command),
+        Command::S7k(command) => s7k::s7k(command),
         Command::Explain(arguments) => explain::explain(arguments),
     };
     match result {

@@ -10,6 +10,8 @@
 //! |---|---|---|
 //! | `[origin]` | the frame | [`OriginConfig`] |
 //! | `[seabed]` | a shelf with meanders and banks, or a grid from a file | [`SeabedConfig`] |
+//! | `[[seabed.patches]]` | what the seabed is made of, for a sonar | [`PatchConfig`] |
+//! | `[[seabed.layers]]` | layers below the seabed, for a sub-bottom profiler | [`SedimentLayerConfig`] |
 //! | `[tide]` | the water level | [`TideLevelConfig`] |
 //! | `[current]` | a mean flow, tidal ellipses, layers, a boundary layer at the bed | [`CurrentConfig`] |
 //! | `[field]` | temperature, conductivity and a tracer: thermocline, plumes, filaments, fronts | [`FieldConfig`] |
@@ -39,23 +41,27 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bottom;
 mod current;
 mod error;
 mod field;
 mod grid;
 mod seabed;
 pub mod seawater;
+mod sediment;
 mod span;
 mod stream;
 mod targets;
 mod tide;
 mod world;
 
+pub use bottom::{Bottom, BottomClass, Patch, PatchConfig, Texture};
 pub use current::{Current, CurrentConfig, LayerConfig, TideConfig};
 pub use error::WorldError;
 pub use field::{Field, FieldConfig, FilamentConfig, FrontConfig, PlumeConfig, ThermoclineConfig};
 pub use grid::{Grid, GridFrame, GridPositive};
 pub use seabed::{Seabed, SeabedConfig};
+pub use sediment::{SedimentLayer, SedimentLayerConfig};
 pub use span::Span;
 pub use stream::Stream;
 pub use targets::{Target, TargetConfig, TargetKind};

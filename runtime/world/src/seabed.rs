@@ -9,8 +9,10 @@ use serde::Deserialize;
 use chart::Chart;
 use shelf::Shelf;
 
+use crate::bottom::{self, BottomClass, PatchConfig};
 use crate::error::{WorldError, agree, check};
 use crate::grid::{Grid, GridFrame, GridPositive};
+use crate::sediment::{self, SedimentLayerConfig};
 use crate::span::Span;
 
 /// The `[seabed]` section: either a shelf that slopes in one direction, with meanders and banks drawn by the seed, or a
@@ -18,6 +20,9 @@ use crate::span::Span;
 ///
 /// The slopes of the meanders add up to at most `meander_slope`. If that is less than `slope`, the meanders bend the
 /// depth contours but never close one, so a vehicle can follow a contour without end.
+///
+/// What the seabed is made of and what lies below it matter to sonars alone, see [`PatchConfig`] and
+/// [`SedimentLayerConfig`]. They have streams of their own, so they change no depth.
 ///
 /// With a `grid`, the depth comes from the file. The keys of the shelf are then rejected, but `depth_min_m` and
 /// `depth_max_m` still bound the depth. Outside the grid, the depth is that of the nearest cell at its edge.
@@ -70,6 +75,14 @@ pub struct SeabedConfig {
     pub grid_positive: Option<GridPositive>,
     /// The depth of cells without data, metres, 0 to 12000; without this key, a grid with such cells is rejected.
     pub grid_nodata_depth_m: Option<f64>,
+    /// What the seabed is made of where no patch lies; sand unless given.
+    pub bottom: BottomClass,
+    /// The backscatter there, decibels, -60 to 0; that of the class unless given.
+    pub backscatter_db: Option<Span>,
+    /// Patches of seabed of another class, for sonars.
+    pub patches: Vec<PatchConfig>,
+    /// Layers below the seabed, for sub-bottom profilers; at most 16.
+    pub layers: Vec<SedimentLayerConfig>,
 }
 
 impl Default for SeabedConfig {
@@ -92,6 +105,10 @@ impl Default for SeabedConfig {
             grid_frame: None,
             grid_positive: None,
             grid_nodata_depth_m: None,
+            bottom: BottomClass::default(),
+            backscatter_db: None,
+            patches: Vec::new(),
+            layers: Vec::new(),
         }
     }
 }
@@ -187,6 +204,8 @@ impl Seabed {
 /// Checks everything except the content of the grid.
 pub(crate) fn validate(config: &SeabedConfig) -> Result<(), WorldError> {
     validate_grid(config)?;
+    bottom::validate(config)?;
+    sediment::validate(config)?;
     config.depth_m.within(0.1, 6000.0, "seabed.depth_m", "0.1 to 6000 m")?;
     config.slope.within(0.0, 0.5, "seabed.slope", "0 to 0.5")?;
     config

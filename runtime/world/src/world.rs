@@ -1,12 +1,14 @@
 use backseat_units::{EastNorth, LocalFrame, Position, Timestamp};
 use serde::Deserialize;
 
+use crate::bottom::Bottom;
 use crate::current::{Current, CurrentConfig};
 use crate::error::{WorldError, check};
 use crate::field::{Field, FieldConfig};
 use crate::grid::Grid;
 use crate::seabed::{self, Seabed, SeabedConfig};
 use crate::seawater;
+use crate::sediment::{self, SedimentLayer};
 use crate::targets::{Target, TargetConfig, Targets};
 use crate::tide::{TideLevel, TideLevelConfig};
 
@@ -91,6 +93,8 @@ pub struct World {
     current: Current,
     field: Field,
     targets: Targets,
+    bottom: Bottom,
+    layers: Vec<SedimentLayer>,
 }
 
 impl World {
@@ -121,6 +125,8 @@ impl World {
             current: Current::new(&config.current, seed)?,
             field: Field::new(&config.field, seed)?,
             targets: Targets::new(&config.targets, seed)?,
+            bottom: Bottom::new(&config.seabed, seed)?,
+            layers: sediment::draw(&config.seabed, seed)?,
         })
     }
 
@@ -234,6 +240,18 @@ impl World {
     /// The targets whose middle lies within `radius_m` metres of a place, sorted from west to east.
     pub fn targets_near(&self, at: EastNorth, radius_m: f64) -> impl Iterator<Item = &Target> {
         self.targets.near(at, radius_m)
+    }
+
+    /// What the seabed is made of, for a simulated sonar.
+    #[must_use]
+    pub const fn bottom(&self) -> &Bottom {
+        &self.bottom
+    }
+
+    /// The layers below the seabed, sorted by their mean depths, for a simulated sub-bottom profiler.
+    #[must_use]
+    pub fn sediment_layers(&self) -> &[SedimentLayer] {
+        &self.layers
     }
 }
 

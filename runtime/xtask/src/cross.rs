@@ -33,18 +33,26 @@ pub(crate) fn release() -> Result<PathBuf> {
 
 /// The folder with `cargo-zigbuild` and its Zig; creates it if it is missing.
 fn zig() -> Result<PathBuf> {
-    let environment = target()?.join("tools/zig");
+    python("zig", &PACKAGES).context("a cross build takes its linker from PyPI")
+}
+
+/// The folder with the programs of a Python environment that has these packages of PyPI; creates it if it is missing.
+pub(crate) fn python(name: &str, packages: &[&str]) -> Result<PathBuf> {
+    let environment = target()?.join("tools").join(name);
     let programs = environment.join("bin");
-    if programs.join("cargo-zigbuild").exists() {
+    // Written last: without it, the environment is not complete, or has other versions.
+    let installed = environment.join("packages");
+    let wanted = packages.join(" ");
+    if std::fs::read_to_string(&installed).is_ok_and(|found| found == wanted) {
         return Ok(programs);
     }
     println!("> python3 -m venv {}", environment.display());
     run(Command::new("python3").args(["-m", "venv"]).arg(&environment)).context("Python 3 with its venv is needed")?;
-    println!("> pip install {}", PACKAGES.join(" "));
+    println!("> pip install {wanted}");
     run(Command::new(programs.join("python"))
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
-        .args(PACKAGES))
-    .context("a cross build takes its linker from PyPI")?;
+        .args(packages))?;
+    std::fs::write(&installed, wanted)?;
     Ok(programs)
 }
 

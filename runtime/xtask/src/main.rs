@@ -7,6 +7,7 @@ mod cross;
 mod demo;
 mod digest;
 mod explore;
+mod exports;
 mod hunt;
 mod mutants;
 mod mutations;
@@ -16,6 +17,7 @@ mod safety;
 mod sea;
 mod seeds;
 mod soak;
+mod sonar_page;
 mod steps;
 mod tests;
 mod tidy;
@@ -59,6 +61,8 @@ enum Task {
     Mutants(mutants::Mutants),
     /// Fly the same seeds in several processes and builds, and compare the results
     Digest(digest::Digest),
+    /// Open the exports of `s7k export` with readers that others wrote (from PyPI), and compare every figure
+    Exports,
     /// Generate the pages in runtime/docs/reference and the schemas in missions/schemas from runtime/reference/keys
     Reference,
     /// Check the project's own rules
@@ -78,6 +82,7 @@ fn main() -> ExitCode {
         Task::Explore(arguments) => explore::explore(&arguments),
         Task::Mutants(arguments) => mutants::mutants(&arguments),
         Task::Digest(arguments) => digest::digest(&arguments),
+        Task::Exports => exports::exports(),
         Task::Reference => reference::reference(),
         Task::Tidy => tidy::tidy(),
     };

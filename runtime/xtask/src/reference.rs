@@ -5,13 +5,17 @@ use anyhow::{Context, Result};
 use backseat_reference::{REFERENCES, exit_page, page, schema};
 
 use crate::cargo::root;
+use crate::sonar_page;
 
-/// Every file that is made from the tables of `runtime/reference`, with its text.
+/// Every file that is made from the tables of `runtime/reference` and `runtime/s7k`, with its text.
 fn generated() -> Result<Vec<(PathBuf, String)>> {
     let root = root()?;
     let pages = root.join("runtime/docs/reference");
     let schemas = root.join("missions/schemas");
-    let mut files = vec![(pages.join("exit-codes.md"), exit_page())];
+    let mut files = vec![
+        (pages.join("exit-codes.md"), exit_page()),
+        (pages.join("7k.md"), sonar_page::page()),
+    ];
     for reference in REFERENCES.iter() {
         files.push((pages.join(format!("{}.md", reference.name)), page(reference)));
         if reference.has_schema() {

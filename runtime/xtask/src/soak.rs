@@ -9,6 +9,7 @@ use clap::Args;
 use crate::cargo::{cargo, cargo_command, root, run, target};
 use crate::compile::{compile, with_lints};
 use crate::digest::{self, Digest};
+use crate::exports;
 use crate::hunt::{self, Hunt};
 use crate::plugins;
 use crate::seeds::{self, Seeds};
@@ -36,10 +37,11 @@ pub(crate) struct Soak {
 type Task = (&'static str, fn() -> Result<()>);
 
 /// The steps, the longest last.
-const TASKS: [Task; 10] = [
+const TASKS: [Task; 11] = [
     ("property tests, other and more cases", properties),
     ("seeds of the reference missions", flights),
     ("same bytes in debug and release", same_bytes),
+    ("sonar exports in other readers", exports::exports),
     ("kills of the runtime", || long(&["kills", "--trials", "100"])),
     ("faulty plugins beside a good one", || long(&["beside"])),
     ("stuck terminals and disks around the runtime", || long(&["stuck"])),

@@ -9,7 +9,7 @@ use crate::safety::safety;
 use crate::sea::sea;
 
 /// The crates on which each crate must never depend: the arrows of `runtime/docs/architecture.md`.
-const NEVER: [(&str, &[&str]); 15] = [
+const NEVER: [(&str, &[&str]); 19] = [
     (
         "units",
         &[
@@ -23,6 +23,10 @@ const NEVER: [(&str, &[&str]); 15] = [
             "recorder",
             "plugin-host",
         ],
+    ),
+    (
+        "s7k",
+        &["spi", "fence", "core", "world", "mvc", "oracle", "sim", "tokio"],
     ),
     ("spi", &["fence", "core", "world", "mvc", "oracle", "sim", "tokio"]),
     ("fence", &["spi", "core", "world", "mvc", "oracle", "sim", "tokio"]),
@@ -39,6 +43,12 @@ const NEVER: [(&str, &[&str]); 15] = [
             "wasmtime",
         ],
     ),
+    (
+        "sonar",
+        &["spi", "fence", "core", "world", "mvc", "plc", "sim", "tokio"],
+    ),
+    ("plc", &["spi", "fence", "core", "mvc", "sonar", "sim", "tokio"]),
+    ("acoustics", &["s7k", "spi", "fence", "core", "mvc", "tokio"]),
     ("world", &["spi", "fence", "core", "tokio"]),
     // Crates that both a mission and the mock read with depend on neither of them.
     (

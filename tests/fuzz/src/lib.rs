@@ -25,20 +25,27 @@
 
 mod fences;
 mod messages;
+mod sonar;
 mod streams;
 
 pub use fences::fence;
 pub use messages::{from_vehicle, to_vehicle};
+pub use sonar::{s7k_file, s7k_frame, s7k_record, s7k_stream, s7k_text};
 pub use streams::{frame, stream};
 
 /// A function that takes any bytes and panics where an invariant is broken.
 pub type Target = fn(&[u8]);
 
 /// Every target with the name of its corpus folder.
-pub const TARGETS: [(&str, Target); 5] = [
+pub const TARGETS: [(&str, Target); 10] = [
     ("frame", frame),
     ("from_vehicle", from_vehicle),
     ("to_vehicle", to_vehicle),
     ("stream", stream),
     ("fence", fence),
+    ("s7k_frame", s7k_frame),
+    ("s7k_record", s7k_record),
+    ("s7k_text", s7k_text),
+    ("s7k_file", s7k_file),
+    ("s7k_stream", s7k_stream),
 ];

@@ -63,17 +63,21 @@ impl Distributions {
 
 impl Distribution {
     fn keep(&mut self, margin: Margin, record: Record) {
-        if self
-            .nearest
-            .is_none_or(|known| record.nearest().is_nearer(&known.nearest(), margin.bound()))
-        {
+        let order = |record: &Record| (record.nearest().measure(margin.bound()), record.seed);
+        let nearer = self.nearest.is_none_or(|known| {
+            let (ours, theirs) = (order(&record), order(&known));
+            // Of equals the first seed, in whatever order the missions were flown.
+            record.nearest().is_nearer(&known.nearest(), margin.bound()) || ours.0 == theirs.0 && ours.1 < theirs.1
+        });
+        if nearer {
             self.nearest = Some(record);
         }
     }
 
     /// The measure that this share of the missions kept away from what is forbidden.
     fn quantile(&self, margin: Margin, share: f64) -> f64 {
-        let nearer = (self.missions as f64 * (1.0 - share)).floor() as u64;
+        // Rounded, because a share like 0.9 is no exact number.
+        let nearer = (self.missions as f64 * (1.0 - share)).round() as u64;
         let mut steps: Vec<(&i64, &u64)> = self.steps.iter().collect();
         if margin.bound() == Bound::Most {
             steps.reverse();

@@ -51,7 +51,7 @@ impl Sea {
         let mut chance = Chance::new(seed);
         let steepness = chance.within(0.02, 0.06);
         let downslope_deg = chance.within(0.0, 360.0);
-        // Together the meanders add at most 0.4 of the slope, so that the contour stays a single line.
+        // Together the meanders add at most 0.4 of the slope, so that the contour remains a single line.
         let meanders = (0..3)
             .map(|_| {
                 let number = TAU / chance.within(400.0, 1500.0);
@@ -197,7 +197,7 @@ impl Trial {
         }
     }
 
-    /// Half a second under the latest request.
+    /// Moves the vehicle for half a second under the latest request.
     pub(crate) fn fly(&mut self, requests: &[Request]) {
         for request in requests {
             match request {

@@ -219,7 +219,7 @@ impl Trial {
             }
             other => panic!("{other:?}"),
         };
-        assert!(!self.open_tags().contains(&tag), "asked twice");
+        assert!(!self.open_tags().contains(&tag), "the same leg is requested twice");
         self.asked += 1;
         match (self.answer)(request, self.asked) {
             Some(state) => {

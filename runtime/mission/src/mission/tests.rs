@@ -66,7 +66,7 @@ fn faults_name_file_line_and_what_was_expected() {
     );
     let wrong = fault(&MISSION.replace("= 2.0", "= \"fast\""), &[]);
     assert!(
-        wrong.contains("mission.toml:4:") && wrong.contains("expected f64"),
+        wrong.contains("mission.toml:4:") && wrong.contains("expected a number"),
         "{wrong}"
     );
     let range = fault(&MISSION.replace("= 2.0", "= 0.5"), &[]);

@@ -84,5 +84,5 @@ fn a_wrong_key_or_value_of_station_keeping_is_named() {
         "{negative}"
     );
     let alone = fault("sonar_angle_max_deg = 45.0", "");
-    assert!(alone.contains("sonar_angle_max_deg beside it"), "{alone}");
+    assert!(alone.contains("expected sonar_angle_max_deg as well"), "{alone}");
 }

@@ -228,7 +228,7 @@ fn the_fence_receives_every_request_unchanged() {
     assert_eq!(format!("{asked:#?}"), format!("{:#?}", every_request()));
     let lines: Vec<&str> = returned.log.iter().map(|line| line.text.as_str()).collect();
     assert_eq!(lines.len(), asked.len());
-    assert_eq!(lines[0], "holds by 1 m");
+    assert_eq!(lines[0], "inside, with 1 m to spare");
     assert_eq!(
         lines[7],
         "Rule::Surfacing: Some(0.5) m, surfacing: outside keep-in zone 'box', the nearest that allows surfacing, with its margin of \

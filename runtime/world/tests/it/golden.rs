@@ -97,6 +97,35 @@ fn the_newer_sections_draw_the_same_everywhere() {
     );
 }
 
+/// What sonars see has streams of its own: it moves nothing else, and draws the same everywhere.
+#[test]
+fn bottom_and_layers_change_no_other_draw() {
+    let sonar = "
+        [[seabed.patches]]
+        count = 9
+        bottom = \"gravel\"
+        east_m = [-500, 500]
+        north_m = [-500, 500]
+        length_m = [20, 200]
+        [[seabed.layers]]
+        depth_m = [1, 4]
+    ";
+    assert_eq!(digest(TEXT), digest(&format!("{TEXT}{sonar}")));
+    let config: WorldConfig = toml::from_str(&format!("{TEXT}{sonar}")).unwrap();
+    let mut digest = Sha256::new();
+    for seed in 0..20 {
+        let world = World::new(&config, seed).unwrap();
+        for patch in world.bottom().patches() {
+            digest.update(patch.at.east_m.to_bits().to_le_bytes());
+            digest.update(patch.length_m.to_bits().to_le_bytes());
+        }
+        let depth_m = world.sediment_layers()[0].depth_at_m(EastNorth::new(70.0, -30.0));
+        digest.update(depth_m.to_bits().to_le_bytes());
+    }
+    let text: String = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    assert_eq!(text, "bd8b6d788224063ec9002a57f1ce0eae44273f0f957b496f8b689db90fdf1b80");
+}
+
 /// A digest of what twenty seeds draw along a path through time and space.
 fn digest(text: &str) -> String {
     let config: WorldConfig = toml::from_str(text).unwrap();

@@ -7,7 +7,7 @@ use backseat_test_support::workspace;
 fn help_names_every_command_and_what_it_does() {
     let help = Backseat::new().arg("--help").run().exit(0);
     assert_eq!(help.stderr, "");
-    for command in ["sim", "run", "mvc", "check", "log", "spi", "explain"] {
+    for command in ["sim", "run", "mvc", "check", "log", "spi", "s7k", "explain"] {
         assert!(
             help.stdout.lines().any(|line| line.trim_start().starts_with(command)),
             "{command}: {help}"

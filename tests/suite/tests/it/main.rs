@@ -9,6 +9,8 @@ mod predive;
 mod prober;
 mod real_time;
 mod refusals;
+#[cfg(test)]
+mod s7k;
 mod sea;
 mod sim_faults;
 mod simulation;

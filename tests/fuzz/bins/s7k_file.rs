@@ -1,0 +1,4 @@
+//! The libFuzzer program for [`backseat_fuzz::s7k_file`].
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| backseat_fuzz::s7k_file(data));

@@ -70,7 +70,7 @@ pub enum InputFault {
     #[error("is empty: give a recording (.s7k) with at least one record")]
     Empty,
     /// No record begins anywhere in it.
-    #[error("is no 7k recording: no record in its {bytes} bytes ({why}): give a .s7k file")]
+    #[error("is not a 7k recording: no record in its {bytes} bytes ({why}): give a .s7k file")]
     NoRecord {
         /// Its length, bytes.
         bytes: u64,

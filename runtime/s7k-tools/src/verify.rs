@@ -117,7 +117,11 @@ pub fn verify(source: &Source, json: bool, out: &mut impl Write) -> Result<Verdi
             FileItem::Skipped(skipped) => {
                 verdict.damage += 1;
                 let (bytes, why) = (skipped.bytes, skipped.why);
-                write(skipped.offset, "damage", &format!("{bytes} bytes are no record: {why}"))?;
+                write(
+                    skipped.offset,
+                    "damage",
+                    &format!("{bytes} bytes are not a record: {why}"),
+                )?;
                 continue;
             }
         };

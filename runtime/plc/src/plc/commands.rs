@@ -286,7 +286,7 @@ impl Plc {
     fn switch(&mut self, now: Timestamp, name: &str) -> Outcome {
         let name = (name != "Auto").then_some(name);
         if name.is_some_and(|name| !is_file_name(name)) {
-            return Outcome::Invalid("this is no name of a file".to_owned());
+            return Outcome::Invalid("this is not a file name".to_owned());
         }
         let (utc, devices) = (self.server.clock.utc(now), self.suite.devices());
         if self.logger.switch(name, utc, &devices) {

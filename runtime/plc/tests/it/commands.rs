@@ -88,7 +88,7 @@ fn an_invalid_command_is_rejected_with_alarm_14() {
             "on",
             "Logging parameter on: expected a whole number, found on",
         ),
-        (2, Action::Set, "a/b", "this is no name of a file"),
+        (2, Action::Set, "a/b", "this is not a file name"),
         (
             3,
             Action::Set,

@@ -32,7 +32,7 @@ fn what_is_no_recording_is_refused() {
     std::fs::write(path("text.s7k"), "no records in here. ".repeat(50_000)).unwrap();
     assert_eq!(
         refused(&path("text.s7k")),
-        "is no 7k recording: no record in its 1000000 bytes (no frame starts here: the sync pattern is 0x726f6365 \
+        "is not a 7k recording: no record in its 1000000 bytes (no frame starts here: the sync pattern is 0x726f6365 \
          instead of 0x0000ffff): give a .s7k file"
     );
     // A frame of an older protocol: version 3, and the sync pattern.

@@ -168,12 +168,15 @@ fn verify_has_a_line_with_its_place_for_each_fault() {
             faults.value
         ),
         format!(
-            "byte {}: {} bytes are no record: no frame starts here",
+            "byte {}: {} bytes are not a record: no frame starts here",
             faults.overwritten.0, faults.overwritten.1
         ),
-        format!("byte {}: 100 bytes are no record: no frame starts here", faults.noise),
         format!(
-            "byte {}: 500 bytes are no record: the frame ends after 500 of ",
+            "byte {}: 100 bytes are not a record: no frame starts here",
+            faults.noise
+        ),
+        format!(
+            "byte {}: 500 bytes are not a record: the frame ends after 500 of ",
             bytes.len() - 500
         ),
         "byte 0: the file header names a catalogue at byte ".to_owned(),

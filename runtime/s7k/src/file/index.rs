@@ -227,9 +227,12 @@ impl core::fmt::Display for Skipped {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self { offset, bytes, why } = self;
         if matches!(why, FrameError::Incomplete { .. }) {
-            write!(f, "byte {offset}: the last {bytes} bytes are no whole record ({why})")
+            write!(
+                f,
+                "byte {offset}: the last {bytes} bytes are not a whole record ({why})"
+            )
         } else {
-            write!(f, "byte {offset}: {bytes} bytes are no record ({why})")
+            write!(f, "byte {offset}: {bytes} bytes are not a record ({why})")
         }
     }
 }

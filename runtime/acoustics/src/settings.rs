@@ -1,7 +1,8 @@
 use crate::error::{AcousticsError, within};
 
-/// The most samples of a ping, for each side of a sidescan sonar and for a sub-bottom profiler.
-pub const SAMPLES_MAX: u32 = 16_384;
+/// The most samples of a ping, for each side of a sidescan sonar and for a sub-bottom profiler: EdgeTech's headers count
+/// them in 16 bits.
+pub const SAMPLES_MAX: u32 = 65_535;
 
 /// What a sidescan sonar is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +18,7 @@ pub struct SideScanSettings {
     /// Gain of the receiver, decibels, -120 to 120, on top of the gain that grows with time: see
     /// [`SideScan::tvg_db`](crate::SideScan::tvg_db).
     pub gain_db: f64,
-    /// Number of samples for each side, 1 to 16384. They divide the range evenly; a sample has the slant range of its
+    /// Number of samples for each side, 1 to 65535. They divide the range evenly; a sample has the slant range of its
     /// middle.
     pub samples: u32,
     /// Speed of sound, metres a second, 1300 to 1700.
@@ -71,7 +72,7 @@ pub struct SubBottomSettings {
     pub power: f64,
     /// Gain of the receiver, decibels, -120 to 120. No gain grows with time.
     pub gain_db: f64,
-    /// Number of samples, 1 to 16384. The first is that of the ping's time.
+    /// Number of samples, 1 to 65535. The first is that of the ping's time.
     pub samples: u32,
     /// Time from one sample to the next, seconds, 1 µs to 10 ms.
     pub sample_interval_s: f64,
@@ -118,7 +119,7 @@ impl SubBottomSettings {
 }
 
 fn samples(samples: u32, key: &'static str) -> Result<(), AcousticsError> {
-    within(f64::from(samples), 1.0, f64::from(SAMPLES_MAX), key, "1 to 16384")
+    within(f64::from(samples), 1.0, f64::from(SAMPLES_MAX), key, "1 to 65535")
 }
 
 fn sound_speed(speed_mps: f64, key: &'static str) -> Result<(), AcousticsError> {

@@ -23,6 +23,7 @@ use backseat_world::{
     CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, TargetConfig, TideLevelConfig, WorldConfig,
 };
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 pub use acoustic::{AcousticConfig, AcousticDevice, PeerConfig, PeerPacket};
 pub use adjustment::AdjustmentConfig;
@@ -249,6 +250,9 @@ pub struct WorldFile {
     /// What goes wrong: `[[faults.fault]]` tables, with the keys that [`crate::FaultPlan`] reads from a separate file.
     #[serde(default)]
     pub faults: FaultFile,
+    /// The mock payload controller: another crate reads this table, and the vehicle knows nothing of it.
+    #[serde(default)]
+    pub plc: IgnoredAny,
 }
 
 impl WorldFile {

@@ -270,9 +270,12 @@ impl Mvc {
             altitude_m: vehicle.motion().water_depth_m - vehicle.motion().depth_m,
             water_depth_m: vehicle.motion().water_depth_m,
             heading_deg: true_heading(vehicle.motion().heading_deg, self.frame(), position).as_deg(),
+            pitch_deg: vehicle.motion().pitch_deg,
+            roll_deg: vehicle.motion().roll_deg,
             speed_mps: vehicle.motion().surge_mps,
             east_mps: vehicle.motion().ground.0,
             north_mps: vehicle.motion().ground.1,
+            down_mps: vehicle.motion().heave_mps,
             activity: self.mission.activity(),
             control: self.mission.control(),
         }

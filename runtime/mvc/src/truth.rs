@@ -22,12 +22,18 @@ pub struct Truth {
     pub water_depth_m: f64,
     /// Heading, degrees from true north, in [0, 360).
     pub heading_deg: f64,
+    /// Pitch, degrees, bow up.
+    pub pitch_deg: f64,
+    /// Roll, degrees, starboard down.
+    pub roll_deg: f64,
     /// Speed through the water, metres a second.
     pub speed_mps: f64,
     /// Velocity over ground, metres a second towards the frame's east.
     pub east_mps: f64,
     /// Velocity over ground, metres a second towards the frame's north.
     pub north_mps: f64,
+    /// Depth rate, metres a second, positive down.
+    pub down_mps: f64,
     /// What the vehicle is doing.
     pub activity: Activity,
     /// Whether the payload has control, as the last BFCTL said.

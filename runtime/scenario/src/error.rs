@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use backseat_mission::MissionError;
 use backseat_mvc::MvcError;
+use backseat_plc::PlcError;
 use backseat_world::WorldError;
 
 /// A scenario that cannot be used. The message is one line: the file, the place in it, what was expected.
@@ -28,6 +29,14 @@ pub enum ScenarioError {
         path: PathBuf,
         /// The place, the error, and what was expected.
         source: MvcError,
+    },
+    /// A value of the table `[plc]` is invalid.
+    #[error("{}: {source}", path.display())]
+    Controller {
+        /// The file.
+        path: PathBuf,
+        /// The key, what was found and what was expected.
+        source: PlcError,
     },
     /// A seabed's grid is invalid.
     #[error("{}: {source}", path.display())]

@@ -3,17 +3,21 @@ use std::path::{Path, PathBuf};
 use backseat_mission::{FrontSeatPlan, Mission};
 use backseat_mvc::{Mvc, MvcError, VehicleConfig, WorldFile};
 use backseat_plan::VehicleLimits;
+use backseat_plc::PlcConfig;
 use backseat_units::{EastNorth, LocalFrame, Position};
 use backseat_world::Grid;
 
+use crate::controller::read_controller;
 use crate::error::ScenarioError;
 use crate::grid::read_grid;
 
 /// The world in which a mission is simulated.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// The contents of `world.toml`.
+    /// The contents of `world.toml`, but for the table `[plc]`.
     pub world: WorldFile,
+    /// The table `[plc]`, if `world.toml` has one.
+    pub plc: Option<PlcConfig>,
     /// The path of `world.toml`.
     pub path: PathBuf,
     /// The seabed's grid, if `world.toml` names one; clones share it.
@@ -49,11 +53,12 @@ impl Scenario {
             path: path.clone(),
             source,
         })?;
+        let plc = read_controller(&path, &text)?;
         let grid = match &world.seabed.grid {
             Some(grid) => Some(read_grid(&mission.folder.join(grid))?),
             None => None,
         };
-        Ok(Some(Self { world, path, grid }))
+        Ok(Some(Self { world, plc, path, grid }))
     }
 
     /// The mock vehicle in the world of this seed, over the scenario's grid.

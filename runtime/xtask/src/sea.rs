@@ -7,10 +7,12 @@ use crate::cargo::{root, target};
 use crate::compile::compile_with;
 
 /// The crates that only simulation needs.
-const ASHORE: [&str; 6] = [
+const ASHORE: [&str; 8] = [
+    "backseat-acoustics",
     "backseat-mvc",
     "backseat-world",
     "backseat-oracle",
+    "backseat-plc",
     "backseat-scenario",
     "backseat-sim",
     "backseat-picture",

@@ -80,6 +80,8 @@ const NEVER: [(&str, &[&str]); 19] = [
         &[
             "world",
             "mvc",
+            "plc",
+            "acoustics",
             "scenario",
             "oracle",
             "sim",

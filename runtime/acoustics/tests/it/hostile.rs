@@ -13,10 +13,10 @@ fn settings_out_of_range_are_refused_by_name() {
     SETTINGS.check().unwrap();
     assert_eq!(
         message(SideScanSettings {
-            samples: 16_385,
+            samples: 65_536,
             ..SETTINGS
         }),
-        "sidescan.samples is 16385, expected 1 to 16384"
+        "sidescan.samples is 65536, expected 1 to 65535"
     );
     assert_eq!(
         message(SideScanSettings {

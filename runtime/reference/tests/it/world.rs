@@ -1,6 +1,9 @@
 //! `world.toml`.
 
+use std::path::Path;
+
 use backseat_mvc::WorldFile;
+use backseat_plc::PlcConfig;
 use backseat_reference::Reference;
 use backseat_world::{Grid, Span, World};
 use toml::{Table, Value};
@@ -38,6 +41,11 @@ fn read(document: &Table) -> Result<String, String> {
         // A number that the interface does not define: serde lists the word, and a check refuses it.
         error.to_string().replace(", `other`", "")
     })?;
+    let mut plc = backseat_scenario::read_controller(Path::new(""), &text).map_err(|error| error.to_string())?;
+    // Keys of a fault without a value have one in the plan.
+    let faults = plc.as_ref().map(PlcConfig::plan).transpose();
+    let faults = faults.map_err(|error| error.to_string())?;
+    plc.iter_mut().for_each(|plc| plc.fault.clear());
     let frame = file.world_config().frame().map_err(|error| error.to_string())?;
     let plan = backseat_plan::resolve(&file.plan, &frame, &file.vehicle.limits()).map_err(|error| error.to_string())?;
     let world = world(&file)?;
@@ -50,7 +58,7 @@ fn read(document: &Table) -> Result<String, String> {
     for filament in &mut file.field.filaments {
         filament.sigma_depth_m = None;
     }
-    Ok(format!("{file:?} {plan:?} {world}"))
+    Ok(format!("{file:?} {plan:?} {world} {plc:?} {faults:?}"))
 }
 
 /// The world of a seed.

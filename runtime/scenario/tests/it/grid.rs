@@ -1,5 +1,4 @@
 //! A seabed's grid in a mission's folder.
-#![expect(clippy::unwrap_used, reason = "a failed unwrap in a test shows where")]
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,7 @@
 //! Scenarios of missions as folders.
+#![expect(clippy::unwrap_used, reason = "a failed unwrap in a test shows where")]
 
+mod controller;
+mod dive;
 mod grid;
 mod world;

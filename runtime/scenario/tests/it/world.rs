@@ -1,5 +1,4 @@
 //! `world.toml` beside a mission.
-#![expect(clippy::unwrap_used, reason = "a failed unwrap in a test shows where")]
 
 use std::path::Path;
 

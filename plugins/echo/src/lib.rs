@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use backseat_sdk::{
     BottomPosition, Camera, Description, DvlTrigger, FRAME_BYTES, FRAMES, GpsHit, HullPosition, Light, Modify, Packet,
-    Plugin, Position, Request, Silent, SonarAngle, Station, StationTarget, StepInput, Timer, Topic, Topside,
-    Trackcircle, Trackline, Transport, Vertical, fence, log,
+    Plugin, Position, Request, Silent, SonarAngle, SonarLog, SonarSet, SonarSetting, Station, StationTarget, StepInput,
+    Timer, Topic, Topside, Trackcircle, Trackline, Transport, Vertical, fence, log,
 };
 use serde::Deserialize;
 
@@ -42,6 +42,9 @@ impl Plugin for Echo {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: 1_000_000_000,
             topics: vec![
+                Topic::Sonar,
+                Topic::SubBottom,
+                Topic::Sidescan,
                 Topic::RelativeNavigation,
                 Topic::Buoyancy,
                 Topic::Trim,
@@ -244,8 +247,33 @@ pub fn every_request() -> Vec<Request> {
             light: 136,
             on: false,
         }),
+        sonar(26, SonarSetting::Range(139.5)),
+        sonar(27, SonarSetting::Pulse("a pulse".into())),
+        sonar(28, SonarSetting::Ping(true)),
+        sonar(29, SonarSetting::Power(140.5)),
+        sonar(30, SonarSetting::Gain(-141)),
+        sonar(31, SonarSetting::Period(142.5)),
+        sonar(32, SonarSetting::DefaultState),
+        Request::SonarLog(SonarLog {
+            tag: 33,
+            on: true,
+            file: Some("a file".into()),
+        }),
+        Request::SonarLog(SonarLog {
+            tag: 34,
+            on: false,
+            file: None,
+        }),
         Request::Timer(Timer { id: 137, after_ns: 138 }),
     ]
+}
+
+const fn sonar(tag: u64, setting: SonarSetting) -> Request {
+    Request::SonarSet(SonarSet {
+        tag,
+        sensor: -143,
+        setting,
+    })
 }
 
 #[cfg(test)]

@@ -198,7 +198,10 @@ impl Isobath {
             | Event::Window(_)
             | Event::Packet(_)
             | Event::Plan(_)
-            | Event::Sample(_) => {}
+            | Event::Sample(_)
+            | Event::Sidescan(_)
+            | Event::SubBottom(_)
+            | Event::Sonar(_) => {}
         }
     }
 

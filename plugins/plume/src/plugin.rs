@@ -103,7 +103,10 @@ impl Plugin for Plume {
                 | Event::Window(_)
                 | Event::Packet(_)
                 | Event::Plan(_)
-                | Event::Sample(_) => {}
+                | Event::Sample(_)
+                | Event::Sidescan(_)
+                | Event::SubBottom(_)
+                | Event::Sonar(_) => {}
             }
         }
         let Some(here) = here else { return Ok(requests) };

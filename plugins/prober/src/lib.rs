@@ -136,7 +136,10 @@ impl Plugin for Prober {
                 | Event::TopsideMessage(_)
                 | Event::Packet(_)
                 | Event::Plan(_)
-                | Event::Sample(_) => {}
+                | Event::Sample(_)
+                | Event::Sidescan(_)
+                | Event::SubBottom(_)
+                | Event::Sonar(_) => {}
             }
         }
         if input.control && !state.control {

@@ -92,7 +92,7 @@ fn kind(request: &Request) -> Option<Kind> {
         Request::Packet(_) => Kind::Packet,
         Request::Station(_) | Request::EndStation => Kind::Station,
         Request::SonarAngle(_) | Request::Camera(_) | Request::Light(_) => Kind::Devices,
-        Request::Timer(_) => return None,
+        Request::SonarSet(_) | Request::SonarLog(_) | Request::Timer(_) => return None,
     })
 }
 

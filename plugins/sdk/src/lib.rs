@@ -90,6 +90,7 @@
 //! | `acoustic` | [`Request::Packet`] |
 //! | `station` | [`Request::Station`], [`Request::EndStation`] |
 //! | `devices` | [`Request::SonarAngle`], [`Request::Camera`], [`Request::Light`] |
+//! | `sonar` | [`Request::SonarSet`], [`Request::SonarLog`] |
 //!
 //! [`Request::Timer`] needs no grant. Events need no grant either, but some are only sent to plugins that list their
 //! [`Topic`] in the [`Description`]. [`Event::DvlTrigger`] is sent to plugins with the grant `dvl`.
@@ -107,12 +108,14 @@ mod request;
 
 pub use backseat_units as units;
 pub use bindings::backseat::plugin::types::{
-    Axes, Battery, Beams, Behavior, BottomPosition, Buoyancy, Camera, Cartesian, Compass, Ctd, Description, Dvl,
-    DvlBeams, DvlTrigger, Edge, EndKind, Ended, Event, Failure, FrameOutcome, GpsHit, HullPosition, Imu, Light, Modify,
-    Navigation, Outcome, Packet, PlannedElement, PlannedPoint, Position, Pressure, ReceivedFrame, ReceivedPacket,
-    Refusal, Relative, Request, Restored, Rule, Sample, Servo, Silent, SonarAngle, SoundVelocity, State, Station,
-    StationTarget, StepInput, Surfaces, Telemetry, Timer, Topic, Topside, TopsideMessage, Trackcircle, Trackline,
-    Transport, Trim, VehicleSpeed, Vertical, Window,
+    AltitudeSource, Axes, Battery, Beams, Behavior, BottomPosition, Buoyancy, Camera, Cartesian, Compass, Ctd,
+    Decimation, Description, Dvl, DvlBeams, DvlTrigger, Edge, EndKind, Ended, Event, Failure, FrameOutcome, GpsHit,
+    HullPosition, Imu, Light, Modify, Navigation, Outcome, Packet, PingNavigation, PingTime, PlannedElement,
+    PlannedPoint, Position, Pressure, ReceivedFrame, ReceivedPacket, Refusal, Relative, Request, Restored, Rule,
+    Sample, SensorHealth, Servo, Silent, SonarAlarm, SonarAngle, SonarChannel, SonarEvent, SonarLog, SonarLogging,
+    SonarPing, SonarSet, SonarSetting, SonarSide, SoundVelocity, State, Station, StationTarget, StepInput, Surfaces,
+    Swath, Telemetry, Timer, Topic, Topside, TopsideMessage, Trackcircle, Trackline, Transport, Trim, VehicleSpeed,
+    Vertical, Window,
 };
 pub use plugin::{NoConfig, Plugin};
 pub use request::{FRAME_BYTES, FRAMES, TEXT_BYTES, is_plain};

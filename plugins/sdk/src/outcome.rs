@@ -7,7 +7,7 @@ impl State {
     pub fn reason(&self) -> Option<&str> {
         match self {
             Self::Rejected(refusal) => Some(&refusal.text),
-            Self::Failed(Failure::Vehicle(text)) => Some(text),
+            Self::Failed(Failure::Vehicle(text) | Failure::Sonar(text)) => Some(text),
             Self::Failed(Failure::NotInPlan) => Some("the vehicle's plan does not name it"),
             Self::Ended(ended) => Some(&ended.text),
             Self::Sent

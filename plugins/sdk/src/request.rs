@@ -38,6 +38,8 @@ impl Request {
             Self::SonarAngle(asked) => Some(asked.tag),
             Self::Camera(asked) => Some(asked.tag),
             Self::Light(asked) => Some(asked.tag),
+            Self::SonarSet(asked) => Some(asked.tag),
+            Self::SonarLog(asked) => Some(asked.tag),
             Self::EndModify | Self::Cancel(_) | Self::Message(_) | Self::EndStation | Self::Timer(_) => None,
         }
     }

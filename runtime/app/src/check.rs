@@ -90,6 +90,9 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
                 Topic::Trim => "trim",
                 Topic::Buoyancy => "buoyancy",
                 Topic::RelativeNavigation => "relative navigation",
+                Topic::Sidescan => "sidescan",
+                Topic::SubBottom => "sub-bottom profiler",
+                Topic::Sonar => "sonar events",
             })
             .collect();
         say!(

@@ -8,6 +8,7 @@ pub(crate) mod dvl;
 pub(crate) mod insert;
 pub(crate) mod modify;
 pub(crate) mod silent;
+pub(crate) mod sonar;
 pub(crate) mod station;
 pub(crate) mod topside;
 
@@ -20,10 +21,12 @@ use crate::capability::dvl::DvlTrigger;
 use crate::capability::insert::{Admitted, Inserts};
 use crate::capability::modify::Modify;
 use crate::capability::silent::Silent;
+use crate::capability::sonar::Sonar;
 use crate::capability::station::Station;
 use crate::capability::topside::Topside;
 use crate::context::Context;
 use crate::ended::Ended;
+use crate::io::SonarOrder;
 use crate::monitor::envelope::{Hover, Insert, Setpoint};
 use crate::mutations::{Check, is_on};
 use crate::plugin::{
@@ -45,6 +48,8 @@ pub(crate) enum Checked<'a> {
     Waits(u64, Insert),
     /// A request that is one command.
     Command(Dispatch),
+    /// An order to the sonars.
+    Sonar(SonarOrder),
 }
 
 /// All capabilities.
@@ -58,6 +63,7 @@ pub(crate) struct Capabilities {
     pub(crate) acoustic: Acoustic,
     pub(crate) dvl: DvlTrigger,
     pub(crate) topside: Topside,
+    pub(crate) sonar: Sonar,
 }
 
 impl Capabilities {
@@ -71,6 +77,7 @@ impl Capabilities {
             acoustic: Acoustic::default(),
             dvl: DvlTrigger::default(),
             topside: Topside::default(),
+            sonar: Sonar::default(),
         }
     }
 
@@ -95,6 +102,7 @@ impl Capabilities {
         self.adjustments.link_lost(cx);
         self.acoustic.link_lost(cx);
         self.dvl.link_lost(cx);
+        self.sonar.link_lost();
     }
 
     /// A plugin has failed: ends its leases and its triggering of the DVL, and rejects its inserts that wait to be
@@ -136,6 +144,8 @@ impl Capabilities {
             | Request::SonarAngle(_)
             | Request::Camera(_)
             | Request::Light(_)
+            | Request::SonarSet(_)
+            | Request::SonarLog(_)
             | Request::Timer { .. } => return Ok(()),
         };
         cx.arbiter.arbitrate(plugin, kind)
@@ -162,6 +172,8 @@ impl Capabilities {
                 let Some(insert) = shape else { return Err(not_asked()) };
                 return self.check_insert(cx, plugin, *tag, request, insert);
             }
+            Request::SonarSet(asked) => return Ok(Checked::Sonar(self.sonar.check_set(cx, asked)?)),
+            Request::SonarLog(asked) => return Ok(Checked::Sonar(self.sonar.check_log(cx, asked)?)),
             Request::Cancel(tag) => self.inserts.check_cancel(cx, plugin, request, *tag),
             Request::Topside(asked) => self.topside.check(cx, request, asked),
             Request::DvlTrigger(asked) => self.dvl.check(cx, plugin, request, asked),

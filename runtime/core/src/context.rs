@@ -24,6 +24,7 @@ use crate::plugin::slots::Plugins;
 use crate::session::link::Link;
 use crate::session::subscriptions::Subscriptions;
 use crate::settings::{PluginSetup, Settings};
+use crate::sonars::Sonars;
 use crate::stamp::Stamper;
 use crate::timer::Timers;
 use crate::vehicle::Vehicle;
@@ -48,6 +49,7 @@ pub(crate) struct Context {
     pub(crate) timers: Timers,
     pub(crate) plugins: Plugins,
     pub(crate) externals: Externals,
+    pub(crate) sonars: Sonars,
 }
 
 impl Context {
@@ -62,7 +64,10 @@ impl Context {
                 held: start.held && is_on(Check::OperatorHold),
                 ..Control::default()
             },
-            link: Link::new(Subscriptions::new(&plugins), limits.link_delay_max()),
+            link: Link::new(
+                Subscriptions::new(&plugins, settings.sonar.is_some()),
+                limits.link_delay_max(),
+            ),
             arbiter: Arbiter::new(plugins.len()),
             identifiers: Identifiers::new(start.identifiers),
             ledger: Ledger::default(),
@@ -70,6 +75,7 @@ impl Context {
             timers: Timers::default(),
             plugins: Plugins::new(plugins),
             externals: Externals::new(&settings.externals),
+            sonars: Sonars::default(),
             monitor: Monitor::new(envelope),
             settings,
         }

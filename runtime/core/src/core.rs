@@ -98,6 +98,7 @@ impl Core {
             Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
             Input::Operator(act) => self.orders.act(&mut self.cx, &mut self.capabilities, act),
             Input::External(source, bytes) => external::received(&mut self.cx, &mut self.capabilities, source, bytes),
+            Input::Sonar(report) => self.capabilities.sonar.reported(&mut self.cx, report),
             Input::Reserved(reservation) => self.cx.identifiers.reserved(reservation),
             Input::UtcSet(by_nanos) => self.utc_set(by_nanos),
             Input::Timeout => {}
@@ -263,6 +264,7 @@ impl Core {
             Timer::Recovery => self
                 .whereabouts
                 .climb(&mut self.cx, &mut self.capabilities, &mut self.orders),
+            Timer::Sonar => self.capabilities.sonar.timed_out(&mut self.cx),
             Timer::Plugins => self.step_due(false),
             Timer::Shutdown => {
                 self.cx.timers.stop_all();

@@ -50,6 +50,7 @@ causes! {
     Completed "completed" Done "completed";
     Idle "idle" Done "the vehicle is idle";
     Reported "reported" Done "reported";
+    Unconfirmed "unconfirmed" Done "sent; the payload controller does not acknowledge commands by the mission's setting";
     PluginEnded "plugin-ended" Asked "its plugin ended it";
     Replaced "replaced" Replaced "replaced";
     OtherModify "other-modify" Replaced "another modify took its place";
@@ -71,6 +72,7 @@ causes! {
     NotCeased "not-ceased" Late "the vehicle stopped it, and its plugin did not answer within 1 s";
     WokeLate "woke-late" Late "the runtime woke late";
     NotSent "not-sent" Link "it could not be sent";
+    SonarLost "sonar-lost" Link "the connection to the payload controller was lost before the answer";
     PluginFailed "plugin-failed" Plugin "its plugin failed";
     NavigationJumped "navigation-jumped" Navigation "navigation jumped";
     NavigationStale "navigation-stale" Navigation "navigation is stale";
@@ -274,6 +276,8 @@ pub enum Failure {
     Vehicle(String),
     /// The vehicle's plan does not name it, and core asked for that plan after the vehicle must have decided on it.
     NotInPlan,
+    /// The sonars' payload controller or its client refused it, or did not do all of it, in these words.
+    Sonar(String),
 }
 
 impl Failure {
@@ -283,6 +287,7 @@ impl Failure {
         match self {
             Self::Vehicle(_) => "vehicle",
             Self::NotInPlan => "not-in-plan",
+            Self::Sonar(_) => "sonar",
         }
     }
 }
@@ -290,7 +295,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Vehicle(text) => f.write_str(text),
+            Self::Vehicle(text) | Self::Sonar(text) => f.write_str(text),
             Self::NotInPlan => f.write_str("it is not in the vehicle's plan"),
         }
     }

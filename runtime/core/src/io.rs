@@ -1,3 +1,5 @@
+mod sonar;
+
 use std::fmt;
 use std::time::Duration;
 
@@ -11,6 +13,8 @@ use crate::order::Order;
 use crate::owner::{ExternalId, Owner};
 use crate::plugin::{LogLine, PluginFault, PluginId, RequestState, Returned, StepInput};
 use crate::refusal::Uncontrolled;
+
+pub use sonar::{FromSonar, SonarOrder, SonarOutcome, SonarRates, ToSonar};
 
 /// What a driver passes to core.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +33,8 @@ pub enum Input<'a> {
     Operator(Operator),
     /// Bytes from an external source, cut anywhere.
     External(ExternalId, &'a [u8]),
+    /// What the client of the sonars reports.
+    Sonar(FromSonar),
     /// This reservation of identifiers and inserts is on disk.
     Reserved(Reservation),
     /// Our computer's clock was set: by how many nanoseconds in all since the start.
@@ -63,10 +69,6 @@ pub enum Operator {
 }
 
 /// What core asks the driver to do.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "a step is the most common output; it is moved once, and a box would be an allocation for each step"
-)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Output {
     /// Write this to the vehicle, at once and completely.
@@ -82,6 +84,8 @@ pub enum Output {
     Invoke(PluginId, StepInput),
     /// Write this to an external source.
     External(ExternalId, Vec<u8>),
+    /// What the client of the sonars is asked to do.
+    Sonar(ToSonar),
     /// Make a new instance of a plugin from its last snapshot.
     Restart(PluginId),
     /// Write on disk which identifiers and inserts may be used, so that the next process knows it.
@@ -198,6 +202,11 @@ pub enum Note {
         /// What has happened, or the step that core takes.
         text: String,
     },
+    /// What the sonars' payload controller has said, or what its client does.
+    Sonar {
+        /// In a line.
+        text: String,
+    },
     /// Core was called later than it had asked for.
     Late {
         /// By how much, seconds.
@@ -288,6 +297,7 @@ impl fmt::Display for Told<'_> {
             N::PluginRestarted { plugin } => write!(f, "{} works again", who(plugin)),
             N::PluginLog { plugin, line } => write!(f, "{} says: {}", who(plugin), line.text),
             N::Operator { act } => write!(f, "operator: {act:?}"),
+            N::Sonar { text } => write!(f, "sonar: {text}"),
             N::Late { seconds } => write!(f, "woke {seconds:.3} s late"),
         }
     }

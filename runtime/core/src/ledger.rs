@@ -61,6 +61,10 @@ pub enum RequestKind {
     Camera,
     /// BPLIT.
     Light,
+    /// A setting of a sonar.
+    SonarSet,
+    /// The sonars' logging.
+    SonarLog,
     /// BPNPU.
     PositionFix,
     /// BPCTD.
@@ -69,6 +73,13 @@ pub enum RequestKind {
     RelativeReset,
     /// BPRBO.
     BearingOffset,
+}
+
+impl RequestKind {
+    /// Whether it goes to the sonars' payload controller, and not to the vehicle.
+    pub(crate) const fn is_of_sonar(self) -> bool {
+        matches!(self, Self::SonarSet | Self::SonarLog)
+    }
 }
 
 /// The numbers of requests by state. A request counts once in `proposed`, and once in each state that it reached.

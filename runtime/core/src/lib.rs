@@ -44,12 +44,16 @@ mod recovery;
 pub mod refusal;
 mod session;
 mod settings;
+mod sonars;
 mod stamp;
 mod timer;
 mod vehicle;
 
 pub use core::Core;
-pub use io::{Identifiers, Input, Note, Operator, Output, Reservation, Restarted, Start};
+pub use io::{
+    FromSonar, Identifiers, Input, Note, Operator, Output, Reservation, Restarted, SonarOrder, SonarOutcome,
+    SonarRates, Start, ToSonar,
+};
 pub use ledger::{RequestCounts, RequestKind, Transition};
 pub use monitor::envelope::Envelope;
 pub use monitor::limits::integrity::IntegrityLimits;
@@ -60,5 +64,5 @@ pub use order::{Condition, Order, Policy};
 pub use owner::{ExternalId, Owner};
 pub use settings::external::{ConductivityUnit, ExternalBounds, ExternalSentence, ExternalSetup};
 pub use settings::recovery::Recovery;
-pub use settings::{ControlHook, PluginSetup, Settings, StatusCondition};
+pub use settings::{ControlHook, PluginSetup, Settings, SonarSetup, StatusCondition};
 pub use vehicle::expected::{ExpectedElement, ExpectedPath, ExpectedPlan};

@@ -15,6 +15,7 @@ pub use crate::refusal::{Refusal, Rule};
 
 mod request;
 mod sample;
+mod sonar;
 
 pub use request::{
     CameraRequest, DvlTriggerRequest, GpsHitRequest, LightRequest, ModifyRequest, PacketRequest, PositionRequest,
@@ -25,6 +26,10 @@ pub use sample::{
     BatterySample, BuoyancySample, CartesianSample, CompassSample, CtdSample, DvlBeamsSample, DvlSample, ImuSample,
     PlannedElement, PressureSample, ReceivedFrame, ReceivedPacket, RelativeSample, Sample, ServoSample,
     SoundVelocitySample, SurfacesSample, TelemetrySample, TrimSample, VehicleSpeedSample, Window,
+};
+pub use sonar::{
+    AltitudeSource, Decimation, PINGS_MAX, PingNavigation, PingTime, SonarAlarm, SonarChannel, SonarEvent,
+    SonarLogRequest, SonarLogging, SonarPing, SonarSetRequest, SonarSetting, SonarSide, Swath,
 };
 
 /// Which plugin of the mission: its place in priority order, 0 first.
@@ -89,6 +94,12 @@ pub enum Topic {
     Buoyancy,
     /// [`StepInput::relative`] and [`StepInput::cartesian`] (BFRNV, BFCNV, SPI 6.17, 6.19).
     RelativeNavigation,
+    /// [`Event::Sidescan`].
+    Sidescan,
+    /// [`Event::SubBottom`].
+    SubBottom,
+    /// [`Event::Sonar`].
+    Sonar,
 }
 
 /// Navigation as plugins and the monitor see it: BFNVG with BFNVR of the same time (SPI 6.1, 6.2), checked, and with
@@ -204,6 +215,12 @@ pub enum Event {
     Plan(Vec<PlannedElement>),
     /// A sensor's sample, for plugins that asked for its topic.
     Sample(Sample),
+    /// A ping of the sidescan (record 3000 of the 7k format).
+    Sidescan(SonarPing),
+    /// A ping of the sub-bottom profiler (record 3001).
+    SubBottom(SonarPing),
+    /// What the sonars' payload controller reports.
+    Sonar(SonarEvent),
 }
 
 /// A behavior of the vehicle's mission.

@@ -299,17 +299,25 @@ impl Session {
         let failed = cx.settings.status_failed_when.iter().any(|condition| match condition {
             StatusCondition::PluginQuarantined => cx.plugins.any_is_quarantined(),
             StatusCondition::NavigationStale => cx.vehicle.navigation.fresh(cx.now).is_none(),
+            StatusCondition::SonarNotReady
+            | StatusCondition::SonarAlarm
+            | StatusCondition::SonarUnhealthy
+            | StatusCondition::SonarNotLogging => cx.sonars.has(*condition),
         });
         let text = match (cx.arbiter.is_steering(), cx.lost_because()) {
             (true, _) => "steering",
             (false, None) => "has control",
             (false, Some(reason)) => reason.text(),
         };
+        let text = match &cx.settings.sonar {
+            Some(_) => Text::cleaned(&format!("{text}; {}", cx.sonars.status())),
+            None => Text::cleaned(text),
+        };
         let created = cx.stamper.stamp(cx.now, "STS");
         let status = PayloadStatus {
             created,
             ok: !failed,
-            text: Text::cleaned(text),
+            text,
         };
         let command = cx.courtesy("STS", Some(created));
         cx.transmit(&ToVehicle::PayloadStatus(status), Some(command));

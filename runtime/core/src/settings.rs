@@ -66,6 +66,18 @@ pub struct Settings {
     /// to be the same on this connection. If `None`, nothing is compared.
     #[serde(skip)]
     pub expected_plan: Option<ExpectedPlan>,
+    /// The sonars: what core needs of the mission's `[sonar]` table. `None` if there is none.
+    #[serde(skip)]
+    pub sonar: Option<SonarSetup>,
+}
+
+/// What core needs to know of the mission's `[sonar]` table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SonarSetup {
+    /// The sensors' indices in the payload controller.
+    pub sensors: Vec<i32>,
+    /// Logging follows BFBDL and BFSDL (SPI 5.3, 5.4).
+    pub log_with_vehicle: bool,
 }
 
 /// A condition of ours that BPSTS reports as a failure, if the operator lists it.
@@ -76,6 +88,14 @@ pub enum StatusCondition {
     PluginQuarantined,
     /// Navigation is stale.
     NavigationStale,
+    /// There is no connection to the sonars' payload controller, or it is not set up yet.
+    SonarNotReady,
+    /// An alarm of the payload controller is active.
+    SonarAlarm,
+    /// A sonar is not healthy.
+    SonarUnhealthy,
+    /// Logging was ordered, and the payload controller does not say that it logs.
+    SonarNotLogging,
 }
 
 /// A plugin of the mission, in priority order.

@@ -45,12 +45,14 @@ pub(crate) enum Timer {
     Recall,
     /// The next step of recovery is due.
     Recovery,
+    /// A request to the sonars has waited too long for its outcome.
+    Sonar,
     /// A plugin is due: a step, one of its timers, or its restart.
     Plugins,
 }
 
 impl Timer {
-    const ALL: [Self; 22] = [
+    const ALL: [Self; 23] = [
         Self::Shutdown,
         Self::Term,
         Self::StationTerm,
@@ -72,6 +74,7 @@ impl Timer {
         Self::Policy,
         Self::Recall,
         Self::Recovery,
+        Self::Sonar,
         Self::Plugins,
     ];
 }

@@ -15,6 +15,7 @@ mod event;
 mod outcome;
 mod request;
 mod sample;
+mod sonar;
 
 pub(crate) use description::description;
 pub(crate) use request::requests;

@@ -310,6 +310,7 @@ fn read_record(channel: Channel, data: Vec<u8>) -> Result<Record, serde_json::Er
             InputOwned::Operator { act } => Record::Input(LoggedInput::Operator(act)),
             InputOwned::External { external, bytes } => Record::Input(LoggedInput::External(external, bytes)),
             InputOwned::Reserved { reservation } => Record::Input(LoggedInput::Reserved(reservation)),
+            InputOwned::Sonar { report } => Record::Input(LoggedInput::Sonar(report)),
             InputOwned::UtcSet { by_nanos } => Record::Input(LoggedInput::UtcSet(by_nanos)),
             InputOwned::Timeout => Record::Input(LoggedInput::Timeout),
             InputOwned::Gap { since_s, records } => Record::Gap { since_s, records },

@@ -1,7 +1,10 @@
 //! The JSON channels' messages. Their schemas are in [`crate::Channel::schema`].
 
 use backseat_core::plugin::{EndKind, NavigationSample, PluginId, Refusal, RequestState, Returned, Rule, StepInput};
-use backseat_core::{ExternalId, Input, Note, Operator, Owner, RequestKind, Reservation, Restarted, Start, Transition};
+use backseat_core::{
+    ExternalId, FromSonar, Input, Note, Operator, Owner, RequestKind, Reservation, Restarted, Start, ToSonar,
+    Transition,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::bytes;
@@ -24,6 +27,8 @@ pub enum LoggedInput {
     Operator(Operator),
     /// Bytes from an external source.
     External(ExternalId, Vec<u8>),
+    /// The client of the sonars reported.
+    Sonar(FromSonar),
     /// Identifiers and inserts were reserved.
     Reserved(Reservation),
     /// How far the computer's clock has been set since the start in total, nanoseconds.
@@ -44,6 +49,7 @@ impl LoggedInput {
             Self::Restarted(plugin, restarted) => Input::Restarted(*plugin, restarted.clone()),
             Self::Operator(act) => Input::Operator(act.clone()),
             Self::External(external, bytes) => Input::External(*external, bytes),
+            Self::Sonar(report) => Input::Sonar(report.clone()),
             Self::Reserved(reservation) => Input::Reserved(*reservation),
             Self::UtcSet(by_nanos) => Input::UtcSet(*by_nanos),
             Self::Timeout => Input::Timeout,
@@ -75,6 +81,9 @@ pub(crate) enum InputRef<'a> {
         external: ExternalId,
         #[serde(with = "bytes")]
         bytes: &'a [u8],
+    },
+    Sonar {
+        report: &'a FromSonar,
     },
     Reserved {
         #[serde(flatten)]
@@ -115,6 +124,9 @@ pub(crate) enum InputOwned {
         #[serde(with = "bytes")]
         bytes: Vec<u8>,
     },
+    Sonar {
+        report: FromSonar,
+    },
     Reserved {
         #[serde(flatten)]
         reservation: Reservation,
@@ -146,6 +158,9 @@ pub(crate) enum OutputRef<'a> {
         external: ExternalId,
         #[serde(with = "bytes")]
         bytes: &'a [u8],
+    },
+    Sonar {
+        order: &'a ToSonar,
     },
     Restart {
         plugin: PluginId,

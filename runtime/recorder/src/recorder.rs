@@ -5,8 +5,8 @@ use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 use std::time::Duration;
 
-use backseat_core::plugin::NavigationSample;
-use backseat_core::{Input, Note, Output, Start};
+use backseat_core::plugin::{Event, NavigationSample, StepInput};
+use backseat_core::{Input, Note, Output, Start, ToSonar};
 use backseat_units::Timestamp;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions};
@@ -135,6 +135,7 @@ impl<W: Write + Seek> Recorder<W> {
                 external: *external,
                 bytes,
             },
+            Input::Sonar(report) => InputRef::Sonar { report },
             Input::UtcSet(by_nanos) => InputRef::UtcSet { by_nanos: *by_nanos },
             Input::Reserved(reservation) => InputRef::Reserved {
                 reservation: *reservation,
@@ -156,13 +157,17 @@ impl<W: Write + Seek> Recorder<W> {
                 after_s: after.as_secs_f64(),
             },
             Output::ResetLink => OutputRef::ResetLink,
-            Output::Invoke(plugin, step) => OutputRef::Invoke {
-                plugin: *plugin,
-                step: match self.rate {
+            Output::Invoke(plugin, step) => {
+                let without_samples = match self.rate {
                     Rate::Simulation => None,
-                    Rate::Deployed => Some(step),
-                },
-            },
+                    Rate::Deployed => Some(without_samples(step)),
+                };
+                let (plugin, step) = (*plugin, without_samples.as_deref());
+                return self.put_json(Channel::Output, now, &OutputRef::Invoke { plugin, step });
+            }
+            // What the client is told of the vehicle is in the vehicle's own sentences.
+            Output::Sonar(ToSonar::Navigation(..) | ToSonar::SoundSpeed { .. }) => return Ok(()),
+            Output::Sonar(order) => OutputRef::Sonar { order },
             Output::External(external, bytes) => OutputRef::External {
                 external: *external,
                 bytes,
@@ -386,4 +391,21 @@ impl Decimation {
         }
         true
     }
+}
+
+/// A step's input without the samples of its pings, which the inputs of core have already.
+fn without_samples(step: &StepInput) -> Cow<'_, StepInput> {
+    let is_ping = |event: &Event| matches!(event, Event::Sidescan(_) | Event::SubBottom(_));
+    if !step.events.iter().any(is_ping) {
+        return Cow::Borrowed(step);
+    }
+    let mut step = step.clone();
+    for event in &mut step.events {
+        if let Event::Sidescan(ping) | Event::SubBottom(ping) = event {
+            for channel in &mut ping.channels {
+                channel.samples = Vec::new();
+            }
+        }
+    }
+    Cow::Owned(step)
 }

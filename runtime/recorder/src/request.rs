@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use backseat_core::plugin::{
     CameraRequest, DvlTriggerRequest, GpsHitRequest, LightRequest, LogLine, ModifyRequest, PacketRequest, PluginFault,
-    PositionRequest, Request, Returned, SilentRequest, SonarAngleRequest, StationRequest, StationTarget,
-    TopsideRequest, TrackcircleRequest, TracklineRequest, VerticalRequest,
+    PositionRequest, Request, Returned, SilentRequest, SonarAngleRequest, SonarLogRequest, SonarSetRequest,
+    SonarSetting, StationRequest, StationTarget, TopsideRequest, TrackcircleRequest, TracklineRequest, VerticalRequest,
 };
 use serde::{Deserialize, Serialize};
 
@@ -92,7 +92,30 @@ enum RequestJson {
     SonarAngle(#[serde(with = "SonarAngleJson")] SonarAngleRequest),
     Camera(CameraRequest),
     Light(LightRequest),
+    SonarSet(#[serde(with = "SonarSetJson")] SonarSetRequest),
+    SonarLog(SonarLogRequest),
     Timer { id: u64, after: Duration },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "SonarSetRequest")]
+struct SonarSetJson {
+    tag: u64,
+    sensor: i32,
+    #[serde(with = "SonarSettingJson")]
+    setting: SonarSetting,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "SonarSetting", rename_all = "kebab-case")]
+enum SonarSettingJson {
+    RangeM(#[serde(with = "figure")] f64),
+    Pulse(String),
+    Ping(bool),
+    PowerPercent(#[serde(with = "figure")] f64),
+    Gain(i32),
+    PeriodMs(#[serde(with = "figure")] f64),
+    DefaultState,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -244,6 +244,8 @@ fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame, extent:
         | Request::SonarAngle(_)
         | Request::Camera(_)
         | Request::Light(_)
+        | Request::SonarSet(_)
+        | Request::SonarLog(_)
         | Request::Timer { .. } => return None,
     };
     let in_view = match shape {

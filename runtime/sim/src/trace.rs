@@ -132,6 +132,8 @@ impl Trace {
                 Request::SonarAngle(sonar) => sonar.tag,
                 Request::Camera(camera) => camera.tag,
                 Request::Light(light) => light.tag,
+                Request::SonarSet(set) => set.tag,
+                Request::SonarLog(log) => log.tag,
                 Request::EndModify
                 | Request::Cancel(_)
                 | Request::Message(_)

@@ -196,6 +196,7 @@ impl LogJudge {
             | LoggedInput::Restarted(..)
             | LoggedInput::External(..)
             | LoggedInput::Reserved(_)
+            | LoggedInput::Sonar(_)
             | LoggedInput::UtcSet(_)
             | LoggedInput::Timeout => {}
         }

@@ -448,7 +448,7 @@ impl World {
                     self.feed(Input::Reserved(reservation));
                 }
                 Output::Note(note) => self.hears_note(&note),
-                Output::External(_, _) | Output::Finish => {}
+                Output::External(_, _) | Output::Sonar(_) | Output::Finish => {}
             }
         }
         if count > AT_ONCE_MAX {

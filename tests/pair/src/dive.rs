@@ -362,7 +362,7 @@ impl Dive {
                         .push_back((self.now + STEP, plugin, Answer::Restarted(restarted)));
                 }
                 Output::Reserve(reservation) => self.feed(Input::Reserved(reservation)),
-                Output::External(..) | Output::Finish => {}
+                Output::External(..) | Output::Sonar(_) | Output::Finish => {}
                 Output::Note(note) => self.notes.push((self.now, note)),
             }
         }

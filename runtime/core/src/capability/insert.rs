@@ -79,6 +79,8 @@ impl Inserts {
             | Request::SonarAngle(_)
             | Request::Camera(_)
             | Request::Light(_)
+            | Request::SonarSet(_)
+            | Request::SonarLog(_)
             | Request::Timer { .. } => return None,
         };
         cx.reserve();

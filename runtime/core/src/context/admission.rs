@@ -23,6 +23,10 @@ impl Context {
         if !self.plugins.take_request(self.now, plugin, per_second) && is_on(Check::RequestRate) {
             return Err(Figure::Requests.over(per_second + 1.0, per_second));
         }
+        if grant == Grant::Sonar {
+            // The sonars do not steer: their requests need no control.
+            return self.admit_armed();
+        }
         self.admit_standing(grant)
     }
 
@@ -46,13 +50,20 @@ impl Context {
         {
             return Err(reason.into());
         }
-        if !self.control.armed {
-            return Err(Uncontrolled::NotArmed.into());
-        }
+        self.admit_armed()?;
         if self.control.recovering {
             return Err(Reason::OutsideFence.into());
         }
         Ok(())
+    }
+
+    /// Whether the runtime may send anything for a plugin.
+    fn admit_armed(&self) -> Result<(), Refusal> {
+        if self.control.armed {
+            Ok(())
+        } else {
+            Err(Uncontrolled::NotArmed.into())
+        }
     }
 
     /// Whether a plugin may steer for this much longer.

@@ -60,6 +60,7 @@ impl Context {
             .ledger
             .iter()
             .filter(|(_, entry)| matches!(entry.state, RequestState::Sent | RequestState::Pending))
+            .filter(|(_, entry)| !entry.kind.is_of_sonar())
             .map(|(request, entry)| {
                 let insert = entry.is_open_insert();
                 (

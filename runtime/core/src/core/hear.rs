@@ -95,6 +95,7 @@ impl Core {
                 self.capabilities.end_controlled(&mut self.cx, EndCause::PowerGoes);
                 self.cx.control.stopping = true;
                 self.cx.plugins.tell_all(&Event::Shutdown);
+                self.capabilities.sonar.shutdown(&mut self.cx);
                 self.cx.timers.set(Timer::Shutdown, self.cx.now + CLOSE_AFTER_SHUTDOWN);
             }
             FromVehicle::Ctd(message) => self.ctd(&message),
@@ -114,12 +115,14 @@ impl Core {
             }
             FromVehicle::LoggingBegin(message) => {
                 self.cx.heard(message.created);
+                self.capabilities.sonar.vehicle_logs(&mut self.cx, true);
                 self.cx
                     .plugins
                     .tell_wanting(Topic::Logging, &Event::LoggingBegan(message.text.as_str().to_owned()));
             }
             FromVehicle::LoggingEnd(message) => {
                 self.cx.heard(message.created);
+                self.capabilities.sonar.vehicle_logs(&mut self.cx, false);
                 self.cx
                     .plugins
                     .tell_wanting(Topic::Logging, &Event::LoggingEnded(message.text.as_str().to_owned()));
@@ -148,8 +151,11 @@ impl Core {
             FromVehicle::CartesianNavigation(message) => {
                 self.capabilities.station.heard_cartesian(&mut self.cx, &message)
             }
+            FromVehicle::SoundVelocity(ref velocity) => {
+                sampled(&mut self.cx, &message);
+                self.capabilities.sonar.sound_velocity(&mut self.cx, velocity);
+            }
             FromVehicle::Telemetry(_)
-            | FromVehicle::SoundVelocity(_)
             | FromVehicle::Compass(_)
             | FromVehicle::DepthSensor(_)
             | FromVehicle::VehicleSpeed(_)

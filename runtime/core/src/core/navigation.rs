@@ -20,6 +20,7 @@ impl Core {
             return;
         };
         self.session.heard_navigation(&mut self.cx);
+        self.capabilities.sonar.navigated(&mut self.cx);
         self.capabilities.inserts.watch_schedules(&mut self.cx);
         let jump = match change {
             Change::Follows => None,
@@ -66,6 +67,7 @@ impl Core {
         let completes = self.cx.vehicle.navigation.velocity(self.cx.now, message);
         self.end_leases_on_flaw();
         if completes {
+            self.capabilities.sonar.velocity(&mut self.cx, message);
             self.follow_navigation();
             // This navigation may have given us control, and the plugins need to know that before they are stepped.
             self.settle_control();

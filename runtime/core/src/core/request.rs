@@ -44,6 +44,8 @@ impl Asked {
             Request::SonarAngle(asked) => (asked.tag, RequestKind::SonarAngle, Grant::Devices),
             Request::Camera(asked) => (asked.tag, RequestKind::Camera, Grant::Devices),
             Request::Light(asked) => (asked.tag, RequestKind::Light, Grant::Devices),
+            Request::SonarSet(asked) => (asked.tag, RequestKind::SonarSet, Grant::Sonar),
+            Request::SonarLog(asked) => (asked.tag, RequestKind::SonarLog, Grant::Sonar),
             Request::EndModify | Request::EndStation | Request::Message(_) | Request::Timer { .. } => return None,
         };
         Some(Self { tag, kind, grant })
@@ -102,6 +104,7 @@ impl Core {
             }
             Checked::Waits(tag, insert) => capabilities.inserts.wait_for_answer(cx, number, plugin, tag, insert),
             Checked::Insert(dispatch, insert, admitted) => self.send_insert(number, &dispatch, insert, admitted),
+            Checked::Sonar(order) => capabilities.sonar.send(cx, number, order),
             Checked::Command(dispatch) => {
                 if cx.send(number, &dispatch) {
                     capabilities.sent(cx, plugin, number, request, dispatch.message());
@@ -138,7 +141,13 @@ impl Core {
                 Ok(Checked::Insert(dispatch, insert, admitted)) => {
                     self.send_insert(number, &dispatch, insert, admitted)
                 }
-                Ok(Checked::Waits(..) | Checked::Modify(..) | Checked::Station(..) | Checked::Command(_)) => {}
+                Ok(
+                    Checked::Waits(..)
+                    | Checked::Modify(..)
+                    | Checked::Station(..)
+                    | Checked::Command(_)
+                    | Checked::Sonar(_),
+                ) => {}
                 Err(refusal) => self.cx.reject(number, refusal),
             }
         }
@@ -190,7 +199,9 @@ impl Core {
             | Request::Station(_)
             | Request::SonarAngle(_)
             | Request::Camera(_)
-            | Request::Light(_) => {}
+            | Request::Light(_)
+            | Request::SonarSet(_)
+            | Request::SonarLog(_) => {}
         }
     }
 

@@ -355,6 +355,8 @@ pub enum Grant {
     Station,
     /// Sonar angle, camera and light of a hovering vehicle (BPSAN, BPPTZ, BPLIT).
     Devices,
+    /// Settings and logging of the sonars behind the payload controller (7k format).
+    Sonar,
 }
 
 impl Grant {
@@ -375,6 +377,7 @@ impl Grant {
             Self::Acoustic => "acoustic",
             Self::Station => "station",
             Self::Devices => "devices",
+            Self::Sonar => "sonar",
         }
     }
 }

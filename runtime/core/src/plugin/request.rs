@@ -3,6 +3,8 @@ use std::time::Duration;
 use backseat_units::Position;
 use serde::{Deserialize, Serialize};
 
+use super::{SonarLogRequest, SonarSetRequest};
+
 /// A vertical setpoint as a plugin asks for it, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum VerticalRequest {
@@ -70,6 +72,10 @@ pub enum Request {
     Camera(CameraRequest),
     /// Switch the light (BPLIT, SPI 8.11).
     Light(LightRequest),
+    /// Change a setting of a sonar.
+    SonarSet(SonarSetRequest),
+    /// Switch the payload controller's logging.
+    SonarLog(SonarLogRequest),
     /// Wake this plugin with [`Event::Timer`](super::Event::Timer).
     Timer {
         /// Comes back in the event.

@@ -10,7 +10,7 @@ use crate::monitor::limits::plugin::PluginLimits;
 use crate::monitor::limits::{FailAction, Grant};
 use crate::mutations::{Check, is_on};
 use crate::outbox::budget::LineBudget;
-use crate::plugin::{Event, FaultKind, PluginFault, PluginId, Topic};
+use crate::plugin::{Event, FaultKind, PINGS_MAX, PluginFault, PluginId, SonarPing, Topic};
 use crate::settings::PluginSetup;
 
 /// A plugin fails if more events than this wait for its next step.
@@ -222,6 +222,11 @@ impl Plugins {
         self.slots.iter().any(|slot| slot.setup.grants.contains(&grant))
     }
 
+    /// Whether there is such a plugin.
+    pub(crate) fn includes(&self, plugin: PluginId) -> bool {
+        plugin.0 < self.slots.len()
+    }
+
     pub(crate) fn wants(&self, plugin: PluginId, topic: Topic) -> bool {
         self.slots[plugin.0].setup.description.topics.contains(&topic)
     }
@@ -278,6 +283,24 @@ impl Plugins {
                 slot.events.push(event);
             }
         }
+    }
+
+    /// Gives a plugin a ping with its next step. If [`PINGS_MAX`] wait already, the oldest is dropped: a plugin that is
+    /// slower than its sonar has not failed.
+    pub(crate) fn tell_ping(&mut self, plugin: PluginId, ping: SonarPing) {
+        let is_ping = |event: &Event| matches!(event, Event::Sidescan(_) | Event::SubBottom(_));
+        let events = &mut self.slots[plugin.0].events;
+        if events.iter().filter(|event| is_ping(event)).count() >= PINGS_MAX
+            && let Some(oldest) = events.iter().position(is_ping)
+        {
+            events.remove(oldest);
+        }
+        let event = if ping.sub_bottom {
+            Event::SubBottom(ping)
+        } else {
+            Event::Sidescan(ping)
+        };
+        self.tell(plugin, event);
     }
 
     pub(crate) fn tell_all(&mut self, event: &Event) {

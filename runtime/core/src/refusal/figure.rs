@@ -95,6 +95,12 @@ figures! {
     CameraZoom "camera-zoom" "zoom of the camera" "tenths of a second" Limit "";
     /// A light's number.
     Light "light" "number of a light" "" Limit "";
+    /// The range of a sonar.
+    SonarRange "sonar-range" "range of a sonar (more than 0)" "m" Limit "";
+    /// The power of a sonar.
+    SonarPower "sonar-power" "power of a sonar" "%" Limit "";
+    /// The time from ping to ping of a sonar.
+    SonarPeriod "sonar-period" "period of a sonar (more than 0)" "ms" Limit "";
     /// A packet's telemetry mode (SPI 9.3).
     TelemetryMode "telemetry-mode" "telemetry mode" "" Limit "";
     /// The bytes of a packet's frames.

@@ -136,6 +136,11 @@ reasons! {
     EmptyMissionStarting "empty-mission-starting" State "an empty mission is already being started";
     EndingUnderWay "ending-under-way" State "an order of this kind is already under way";
     FixForced "fix-forced" Limit "the mission does not let this external source force a fix";
+    NoSonar "no-sonar" State "the mission has no [sonar]";
+    SensorUnknown "sensor-unknown" Limit "the mission has no [[sonar.sensor]] of this index";
+    SonarNotReady "sonar-not-ready" State "the payload controller is not connected, or not set up yet";
+    SonarBusy "sonar-busy" Cap "too many requests to the payload controller wait for their outcome";
+    PowerGoing "power-going" State "the power is being switched off";
     NotInStep "not-in-step" State "the fence answers only within a step";
     Undecided "undecided" State "nothing has been decided yet";
     NotExternal "not-external" Limit "an external source may not send this sentence";

@@ -15,6 +15,7 @@ const ALWAYS: [&str; 8] = ["CTL", ACKNOWLEDGEMENTS, "MIS", "CTL", "NVG", "NVR", 
 const fn of_topic(topic: Topic) -> &'static [&'static str] {
     match topic {
         Topic::MissionCommand | Topic::Behavior | Topic::Logging | Topic::Topside | Topic::Plan => &[],
+        Topic::Sidescan | Topic::SubBottom | Topic::Sonar => &[],
         Topic::Ctd => &["CTD"],
         Topic::Acoustic => &["CMA", "CPR"],
         Topic::Telemetry => &["TEL"],
@@ -45,7 +46,8 @@ const fn of_grant(grant: Grant) -> &'static [&'static str] {
         | Grant::Topside
         | Grant::Dvl
         | Grant::Silent
-        | Grant::Devices => &[],
+        | Grant::Devices
+        | Grant::Sonar => &[],
         Grant::Trim => &["TRM"],
         Grant::Buoyancy => &["BOY"],
         Grant::Acoustic => &["CMA", "CPS", "CPR"],
@@ -69,14 +71,15 @@ pub(crate) struct Subscriptions {
 }
 
 impl Subscriptions {
-    /// The messages that are always needed, and those that the topics and grants of the plugins need.
-    pub(crate) fn new(plugins: &[PluginSetup]) -> Self {
+    /// The messages that are always needed, and those that the topics and grants of the plugins and the sonars need.
+    pub(crate) fn new(plugins: &[PluginSetup], sonar: bool) -> Self {
         let mut subjects = ALWAYS.to_vec();
         let wanted = plugins.iter().flat_map(|plugin| {
             let topics = plugin.description.topics.iter().flat_map(|topic| of_topic(*topic));
             topics.chain(plugin.grants.iter().flat_map(|grant| of_grant(*grant)))
         });
-        for subject in wanted {
+        let told_to_sonars: &[&str] = if sonar { &["SVS"] } else { &[] };
+        for subject in wanted.chain(told_to_sonars) {
             if !subjects.contains(subject) {
                 subjects.push(subject);
             }

@@ -37,6 +37,7 @@ mod recovery;
 mod scene;
 mod session;
 mod silent;
+mod sonar;
 mod station;
 mod station_bounds;
 mod station_course;

@@ -9,7 +9,7 @@ use backseat_core::plugin::{
 };
 use backseat_core::{
     Core, Grant, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind, Reservation,
-    Restarted, Settings, Start,
+    Restarted, Settings, Start, ToSonar,
 };
 use backseat_fence::Fence;
 use backseat_spi::{FromVehicle, Sentence, ToVehicle};
@@ -20,12 +20,13 @@ use crate::judge::Judge;
 use crate::vehicle::{Vehicle, name_of};
 
 /// An output of core.
-#[expect(clippy::large_enum_variant, reason = "a record of a test")]
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Seen {
     Sent(ToVehicle),
     /// Bytes to an external source.
     Told(usize, Vec<u8>),
+    /// To the client of the sonars.
+    Sonar(ToSonar),
     Note(Note),
     Connect(Duration),
     Reset,
@@ -435,6 +436,7 @@ impl Trial {
                     self.feed(Input::Reserved(reservation));
                     continue;
                 }
+                Output::Sonar(order) => Seen::Sonar(order),
                 Output::External(source, bytes) => Seen::Told(source.0, bytes),
                 Output::Finish => Seen::Finish,
                 Output::Note(note) => Seen::Note(note),

@@ -64,6 +64,9 @@ impl From<wit::Topic> for core::Topic {
             wit::Topic::Trim => Self::Trim,
             wit::Topic::Buoyancy => Self::Buoyancy,
             wit::Topic::RelativeNavigation => Self::RelativeNavigation,
+            wit::Topic::Sidescan => Self::Sidescan,
+            wit::Topic::SubBottom => Self::SubBottom,
+            wit::Topic::Sonar => Self::Sonar,
         }
     }
 }
@@ -73,7 +76,7 @@ mod tests {
     use super::*;
 
     /// In the order of the interface.
-    const TOPICS: [wit::Topic; 21] = [
+    const TOPICS: [wit::Topic; 24] = [
         wit::Topic::Ctd,
         wit::Topic::MissionCommand,
         wit::Topic::Behavior,
@@ -95,6 +98,9 @@ mod tests {
         wit::Topic::Trim,
         wit::Topic::Buoyancy,
         wit::Topic::RelativeNavigation,
+        wit::Topic::Sidescan,
+        wit::Topic::SubBottom,
+        wit::Topic::Sonar,
     ];
 
     #[test]

@@ -1,7 +1,7 @@
 use backseat_core::plugin as core;
 use backseat_units::Timestamp;
 
-use super::{age_ns, sample, wit};
+use super::{age_ns, sample, sonar, wit};
 
 /// An event as the guest receives it in the step at `now`.
 pub(super) fn event(happened: &core::Event, now: Timestamp) -> wit::Event {
@@ -36,6 +36,9 @@ pub(super) fn event(happened: &core::Event, now: Timestamp) -> wit::Event {
         core::Event::Packet(packet) => wit::Event::Packet(received_packet(packet, now)),
         core::Event::Plan(elements) => wit::Event::Plan(elements.iter().map(wit::PlannedElement::from).collect()),
         core::Event::Sample(sample) => wit::Event::Sample(sample::sample(sample, now)),
+        core::Event::Sidescan(ping) => wit::Event::Sidescan(sonar::ping(ping, now)),
+        core::Event::SubBottom(ping) => wit::Event::SubBottom(sonar::ping(ping, now)),
+        core::Event::Sonar(event) => wit::Event::Sonar(event.into()),
     }
 }
 

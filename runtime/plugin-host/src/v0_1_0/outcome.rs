@@ -70,6 +70,7 @@ impl From<&core::Failure> for wit::Failure {
         match failure {
             core::Failure::Vehicle(text) => Self::Vehicle(text.clone()),
             core::Failure::NotInPlan => Self::NotInPlan,
+            core::Failure::Sonar(text) => Self::Sonar(text.clone()),
         }
     }
 }

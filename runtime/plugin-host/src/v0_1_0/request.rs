@@ -65,6 +65,14 @@ fn excess(request: &wit::Request) -> Option<String> {
         | wit::Request::Camera(_)
         | wit::Request::Light(_)
         | wit::Request::Timer(_) => None,
+        wit::Request::SonarSet(wit::SonarSet {
+            setting: wit::SonarSetting::Pulse(text),
+            ..
+        })
+        | wit::Request::SonarLog(wit::SonarLog { file: Some(text), .. }) => {
+            (text.len() > TEXT_BYTES).then(|| format!("a name of {} bytes, expected at most {TEXT_BYTES}", text.len()))
+        }
+        wit::Request::SonarSet(_) | wit::Request::SonarLog(_) => None,
     }
 }
 
@@ -147,6 +155,16 @@ impl From<wit::Request> for core::Request {
                 tag: light.tag,
                 light: light.light,
                 on: light.on,
+            }),
+            wit::Request::SonarSet(set) => Self::SonarSet(core::SonarSetRequest {
+                tag: set.tag,
+                sensor: set.sensor,
+                setting: set.setting.into(),
+            }),
+            wit::Request::SonarLog(log) => Self::SonarLog(core::SonarLogRequest {
+                tag: log.tag,
+                on: log.on,
+                file: log.file,
             }),
             wit::Request::Timer(timer) => Self::Timer {
                 id: timer.id,

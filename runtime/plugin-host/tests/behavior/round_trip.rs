@@ -13,6 +13,7 @@ use crate::fixture::{Latitude, breach, components, input};
 mod events;
 mod requests;
 mod samples;
+mod sonar;
 
 use events::events;
 use requests::every_request;
@@ -95,6 +96,18 @@ fn every_sample_arrives_in_the_plugin() {
     };
     let expected = sdk::StepInput {
         events: expected.into_iter().map(sdk::Event::Sample).collect(),
+        ..guest_input(100)
+    };
+    assert_eq!(heard(&step), format!("{expected:?}"));
+}
+
+#[test]
+fn every_ping_and_report_of_the_sonars_arrives_in_the_plugin() {
+    let step = input(100);
+    let (given, expected) = sonar::events(step.now).into_iter().unzip();
+    let step = StepInput { events: given, ..step };
+    let expected = sdk::StepInput {
+        events: expected,
         ..guest_input(100)
     };
     assert_eq!(heard(&step), format!("{expected:?}"));
@@ -263,6 +276,9 @@ fn a_plugin_may_list_topics_in_any_order() {
             Topic::Trim,
             Topic::Buoyancy,
             Topic::RelativeNavigation,
+            Topic::Sidescan,
+            Topic::SubBottom,
+            Topic::Sonar,
         ]
     );
 }

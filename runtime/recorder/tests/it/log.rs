@@ -9,15 +9,16 @@ use std::path::Path;
 use std::time::Duration;
 
 use backseat_core::plugin::{
-    CameraRequest, DvlTriggerRequest, FaultKind, GpsHitRequest, LightRequest, LogLevel, LogLine, ModifyRequest,
-    NavigationSample, PacketRequest, PluginFault, PluginId, PositionRequest, Request, RequestState, Returned,
-    SilentRequest, SonarAngleRequest, StationRequest, StationTarget, StepInput, TopsideRequest, TrackcircleRequest,
-    TracklineRequest, Transport, VerticalRequest,
+    CameraRequest, Decimation, DvlTriggerRequest, Event, FaultKind, GpsHitRequest, LightRequest, LogLevel, LogLine,
+    ModifyRequest, NavigationSample, PacketRequest, PingNavigation, PingTime, PluginFault, PluginId, PositionRequest,
+    Request, RequestState, Returned, SilentRequest, SonarAngleRequest, SonarChannel, SonarEvent, SonarLogRequest,
+    SonarPing, SonarSetRequest, SonarSetting, SonarSide, StationRequest, StationTarget, StepInput, TopsideRequest,
+    TrackcircleRequest, TracklineRequest, Transport, VerticalRequest,
 };
 use backseat_core::refusal::{Reason, Uncontrolled};
 use backseat_core::{
-    ExternalId, Identifiers, Input, Note, Operator, Order, Output, Owner, RequestKind, Reservation, Restarted, Start,
-    Transition,
+    ExternalId, FromSonar, Identifiers, Input, Note, Operator, Order, Output, Owner, RequestKind, Reservation,
+    Restarted, SonarOutcome, Start, StatusCondition, ToSonar, Transition,
 };
 use backseat_recorder::{COMPONENT_LIMIT, Header, LoggedInput, Rate, Record, Recorder, RecorderError, parse, read};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
@@ -54,6 +55,39 @@ fn navigation(solution: Timestamp) -> NavigationSample {
         down_mps: 0.0,
         yaw_rate_dps: 0.1,
         gps: false,
+    }
+}
+
+fn ping() -> SonarPing {
+    let navigation = navigation(Timestamp::from_millis(900));
+    SonarPing {
+        sub_bottom: false,
+        sensor: 1,
+        number: 8,
+        time: Timestamp::from_millis(950),
+        time_source: PingTime::Measured,
+        decimation: Decimation::Mean,
+        channels: vec![SonarChannel {
+            side: SonarSide::Port,
+            ground_range: false,
+            range_m: 75.0,
+            start_nanos: 0,
+            sample_nanos: 12.5,
+            recorded: 8192,
+            volts_per_step: Some(0.25),
+            samples: vec![1.5, 0.1, 65_535.0],
+        }],
+        navigation: Some(PingNavigation {
+            solution: navigation.solution,
+            position: navigation.position,
+            local: navigation.local,
+            depth: navigation.depth,
+            altitude: navigation.altitude,
+            heading: navigation.heading,
+            roll_deg: 0.5,
+            pitch_deg: -1.0,
+            velocity_mps: Some((1.5, 0.0)),
+        }),
     }
 }
 
@@ -184,6 +218,21 @@ fn every_input_comes_back_in_handle_order() {
                 tilt: 0,
                 zoom: i32::MAX,
             }),
+            Request::SonarSet(SonarSetRequest {
+                tag: 30,
+                sensor: 1,
+                setting: SonarSetting::RangeM(f64::NAN),
+            }),
+            Request::SonarSet(SonarSetRequest {
+                tag: 31,
+                sensor: 1,
+                setting: SonarSetting::Pulse("a pulse".into()),
+            }),
+            Request::SonarLog(SonarLogRequest {
+                tag: 32,
+                on: true,
+                file: None,
+            }),
             Request::Light(LightRequest {
                 tag: 21,
                 light: -1,
@@ -222,6 +271,17 @@ fn every_input_comes_back_in_handle_order() {
         })),
         Input::Operator(Operator::Order(Order::StartEmptyMission { duration_s: 600 })),
         Input::External(ExternalId(2), b"$BPNPU,000000.000\r\n"),
+        Input::Sonar(FromSonar::Ping(PluginId(1), ping())),
+        Input::Sonar(FromSonar::Event(SonarEvent::Ready(true))),
+        Input::Sonar(FromSonar::Outcome {
+            request: 7,
+            outcome: SonarOutcome::Failed("no".into()),
+        }),
+        Input::Sonar(FromSonar::Status {
+            text: "sonar ready".into(),
+            conditions: vec![StatusCondition::SonarAlarm],
+        }),
+        Input::Sonar(FromSonar::Line("a line".into())),
         Input::External(ExternalId(0), b"\xff\x00 no sentence"),
         Input::External(ExternalId(0), b""),
         Input::LinkDown,
@@ -392,7 +452,7 @@ fn outputs_go_to_their_channels() {
         relative: None,
         cartesian: None,
         control: true,
-        events: vec![],
+        events: vec![Event::Timer(1), Event::Sidescan(ping())],
     };
     let outputs = [
         Output::Send(b"$BPVER\r\n".to_vec()),
@@ -420,6 +480,7 @@ fn outputs_go_to_their_channels() {
         }),
         transition(Owner::External(ExternalId(1)), RequestState::Accepted),
         Output::External(ExternalId(1), b"$BFACK\r\n".to_vec()),
+        Output::Sonar(ToSonar::VehicleLogs(true)),
     ];
     let write = |recorder: &mut Recorder<&mut Cursor<Vec<u8>>>| {
         for output in &outputs {
@@ -465,7 +526,8 @@ fn outputs_go_to_their_channels() {
         json(12),
         json!({"output": "external", "external": 1, "bytes": "$BFACK\r\n"})
     );
-    assert_eq!(records[13], &Record::Vehicle("began trackline".into()));
+    assert_eq!(json(13), json!({"output": "sonar", "order": {"vehicle-logs": true}}));
+    assert_eq!(records[14], &Record::Vehicle("began trackline".into()));
     assert_eq!(log.notes().count(), 5);
     assert_eq!(log.link().count(), 1);
 
@@ -475,6 +537,10 @@ fn outputs_go_to_their_channels() {
         panic!("{:?}", log.entries[3]);
     };
     assert_eq!(invoke["step"]["navigation"]["local"]["east_m"], 12.5);
+    // The samples of pings are in core's inputs already.
+    let ping = &invoke["step"]["events"][1]["Sidescan"];
+    assert_eq!(ping["number"], 8);
+    assert_eq!(ping["channels"][0]["samples"], json!([]));
 }
 
 #[test]

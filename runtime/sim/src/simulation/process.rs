@@ -117,6 +117,7 @@ impl Process {
             | Input::Operator(_)
             | Input::External(..)
             | Input::Reserved(_)
+            | Input::Sonar(_)
             | Input::UtcSet(_)
             | Input::Timeout => {}
         }

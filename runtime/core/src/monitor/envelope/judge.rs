@@ -56,6 +56,8 @@ impl Judge for Envelope {
             | Request::Buoyancy(_)
             | Request::Packet(_)
             | Request::EndStation
+            | Request::SonarSet(_)
+            | Request::SonarLog(_)
             | Request::Timer { .. } => Ok(f64::MAX),
         }
     }

@@ -2,8 +2,8 @@ use std::time::Duration;
 
 use backseat_core::plugin::{
     CameraRequest, DvlTriggerRequest, GpsHitRequest, LightRequest, ModifyRequest, PacketRequest, PositionRequest,
-    Request, SilentRequest, SonarAngleRequest, StationRequest, StationTarget, TopsideRequest, TrackcircleRequest,
-    TracklineRequest, Transport, VerticalRequest,
+    Request, SilentRequest, SonarAngleRequest, SonarLogRequest, SonarSetRequest, SonarSetting, StationRequest,
+    StationTarget, TopsideRequest, TrackcircleRequest, TracklineRequest, Transport, VerticalRequest,
 };
 
 /// What the plugin `echo` requests, as core receives it.
@@ -154,9 +154,34 @@ pub(super) fn every_request() -> Vec<Request> {
             light: 136,
             on: false,
         }),
+        sonar(26, SonarSetting::RangeM(139.5)),
+        sonar(27, SonarSetting::Pulse("a pulse".to_owned())),
+        sonar(28, SonarSetting::Ping(true)),
+        sonar(29, SonarSetting::PowerPercent(140.5)),
+        sonar(30, SonarSetting::Gain(-141)),
+        sonar(31, SonarSetting::PeriodMs(142.5)),
+        sonar(32, SonarSetting::DefaultState),
+        Request::SonarLog(SonarLogRequest {
+            tag: 33,
+            on: true,
+            file: Some("a file".to_owned()),
+        }),
+        Request::SonarLog(SonarLogRequest {
+            tag: 34,
+            on: false,
+            file: None,
+        }),
         Request::Timer {
             id: 137,
             after: Duration::from_nanos(138),
         },
     ]
+}
+
+fn sonar(tag: u64, setting: SonarSetting) -> Request {
+    Request::SonarSet(SonarSetRequest {
+        tag,
+        sensor: -143,
+        setting,
+    })
 }

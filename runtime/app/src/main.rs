@@ -25,6 +25,7 @@ mod s7k;
 mod service;
 #[cfg(feature = "simulation")]
 mod sim;
+mod sonar;
 #[cfg(feature = "simulation")]
 mod speed;
 mod spi;

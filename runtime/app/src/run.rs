@@ -27,6 +27,7 @@ use crate::operator::Signals;
 use crate::plugins::{Answer, Crew};
 use crate::recording::{Queue, Recording};
 use crate::service::{Service, Slips};
+use crate::sonar::Sonars;
 use crate::state::State;
 
 #[derive(Debug, Args)]
@@ -126,6 +127,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         ports,
         keeper: Keeper::start(state, start.held, keeps)?,
         recorder,
+        sonars: Sonars::start(&mission, clock)?,
     };
     let driver = Driver::new(core, clock, address, around, names);
     runtime.block_on(driver.drive(answers, kept, heard, signals))?;
@@ -187,6 +189,7 @@ pub(crate) struct Around {
     pub(crate) ports: Ports,
     pub(crate) keeper: Keeper,
     pub(crate) recorder: Recording,
+    pub(crate) sonars: Option<Sonars>,
 }
 
 pub(crate) struct Driver {
@@ -202,6 +205,7 @@ pub(crate) struct Driver {
     ports: Ports,
     keeper: Keeper,
     recorder: Recording,
+    sonars: Option<Sonars>,
     finished: bool,
     reset: bool,
     /// The last reservation could not be written to disk.
@@ -229,6 +233,7 @@ impl Driver {
             ports,
             keeper,
             recorder,
+            sonars,
         } = around;
         Self {
             core,
@@ -242,6 +247,7 @@ impl Driver {
             ports,
             keeper,
             recorder,
+            sonars,
             finished: false,
             reset: false,
             cannot_reserve: false,
@@ -295,6 +301,7 @@ impl Driver {
                     Ready::Writable => self.flush(),
                     Ready::Closed => self.lose_link("the vehicle closed the connection".to_owned()),
                 },
+                report = Sonars::next(&mut self.sonars) => self.feed(Input::Sonar(report)),
                 // The operator's programs come last: whatever they send can wait.
                 Some((source, bytes)) = heard.recv() => self.feed(Input::External(source, &bytes)),
             }
@@ -385,6 +392,9 @@ impl Driver {
         let set = self.clock.utc_set_nanos();
         if u128::from(set.abs_diff(self.utc_set_nanos)) >= UTC_STEP_MIN.as_nanos() {
             self.utc_set_nanos = set;
+            if let Some(sonars) = &self.sonars {
+                sonars.utc_set(set);
+            }
             self.feed(Input::UtcSet(set));
         }
     }
@@ -444,6 +454,11 @@ impl Driver {
             Output::ResetLink => self.reset = true,
             Output::Invoke(plugin, input) => self.crew.step(plugin, input),
             Output::Restart(plugin) => self.crew.restart(plugin),
+            Output::Sonar(wish) => {
+                if let Some(sonars) = &mut self.sonars {
+                    sonars.tell(wish);
+                }
+            }
             Output::External(source, line) => self.ports.tell(source, line),
             Output::Reserve(reservation) => {
                 self.ask_state();
@@ -503,6 +518,7 @@ impl Driver {
             | Note::Navigation { .. }
             | Note::PluginRestarted { .. }
             | Note::PluginLog { .. }
+            | Note::Sonar { .. }
             | Note::Operator { .. }
             | Note::Text { .. } => info!("{told}"),
         }

@@ -121,6 +121,7 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
         ports,
         keeper: Keeper::panicking(keeps).unwrap(),
         recorder: Recording::to(Panics, "a log".to_owned(), &header).unwrap(),
+        sonars: None,
     };
     let driver = Driver::new(core, clock, vehicle.address.clone(), around, names);
 

@@ -7,11 +7,11 @@ use std::pin::Pin;
 use std::thread;
 
 use anyhow::{Context, Result};
-use backseat_core::plugin::{PluginId, SonarEvent};
+use backseat_core::plugin::SonarEvent;
 use backseat_core::{FromSonar, SonarOutcome, StatusCondition, ToSonar};
 use backseat_mission::Mission;
 use backseat_sonar::Input;
-use backseat_sonar_bridge::{Act, Bridge, PluginPing};
+use backseat_sonar_bridge::{Act, Bridge, SonarSettings};
 use tokio::net::TcpStream;
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
@@ -47,9 +47,10 @@ impl Sonars {
     /// # Errors
     /// If the mission's `[sonar]` has a value that is not allowed, or if no thread can be started.
     pub(crate) fn start(mission: &Mission, clock: Clock) -> Result<Option<Self>> {
-        let Some(bridge) = bridge_of(mission, &clock)? else {
+        let Some(settings) = SonarSettings::of(mission) else {
             return Ok(None);
         };
+        let bridge = settings.bridge(clock.utc_at_start()).context("mission.toml: [sonar]")?;
         let (wishes, wanted) = channel(WISHES_MAX);
         let (sender, reports) = channel(REPORTS_MAX);
         let address = format!("{}:{}", bridge.config().host, bridge.config().port);
@@ -98,24 +99,6 @@ impl Sonars {
         }
         std::future::pending().await
     }
-}
-
-/// A bridge for the mission's `[sonar]`, if it has one.
-fn bridge_of(mission: &Mission, clock: &Clock) -> Result<Option<Bridge>> {
-    let Some(config) = &mission.file.sonar else {
-        return Ok(None);
-    };
-    let pings = mission.file.plugins.iter().enumerate().flat_map(|(index, plugin)| {
-        let plugin_id = PluginId(index);
-        plugin.pings.iter().map(move |grant| PluginPing {
-            plugin: plugin_id,
-            grant: *grant,
-        })
-    });
-    let frame = *mission.envelope.fence().frame();
-    let bridge =
-        Bridge::new(config.clone(), pings.collect(), frame, clock.utc_at_start()).context("mission.toml: [sonar]")?;
-    Ok(Some(bridge))
 }
 
 /// The last words of a thread that has panicked or cannot go on.

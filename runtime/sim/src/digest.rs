@@ -8,9 +8,13 @@ pub enum Direction {
     FromVehicle,
     /// From the payload to the vehicle: 1 in the digest.
     ToVehicle,
+    /// From the sonars' payload controller to its client: 2 in the digest.
+    FromController,
+    /// From the client to the payload controller: 3 in the digest.
+    ToController,
 }
 
-/// SHA-256 over every write on the vehicle link at its sender: direction as one byte, time in nanoseconds as `u64` and
+/// SHA-256 over every write on the vehicle link, and on that to the payload controller, at its sender: direction as one byte, time in nanoseconds as `u64` and
 /// length as `u32`, both little-endian, then the bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Digest(Sha256);
@@ -22,6 +26,8 @@ impl Digest {
         head[0] = match direction {
             Direction::FromVehicle => 0,
             Direction::ToVehicle => 1,
+            Direction::FromController => 2,
+            Direction::ToController => 3,
         };
         head[1..9].copy_from_slice(&at.as_nanos().to_le_bytes());
         let length = u32::try_from(bytes.len()).expect("a write on the link is far below 4 GiB");

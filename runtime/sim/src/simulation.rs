@@ -3,6 +3,7 @@ mod driver;
 mod interference;
 pub(crate) mod judge;
 mod process;
+pub(crate) mod sonars;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -15,9 +16,12 @@ use backseat_core::{Envelope, Identifiers, RequestCounts, Reservation, Settings,
 use backseat_mission::Mission;
 use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status};
 use backseat_oracle::{OracleError, State, Statistics};
+use backseat_plc::PlcError;
 use backseat_plugin_loader::Loaded;
 use backseat_recorder::{Recorder, RecorderError};
-use backseat_scenario::Scenario;
+use backseat_scenario::{Scenario, ScenarioError};
+use backseat_sonar::ConfigError;
+use backseat_sonar_bridge::SonarSettings;
 use backseat_units::{Timestamp, Utc};
 
 use crate::digest::Digest;
@@ -26,6 +30,7 @@ use crate::link::Lane;
 use crate::report::Report;
 use crate::simulation::judge::Judge;
 use crate::simulation::process::{Process, Successor};
+use crate::simulation::sonars::Controller;
 use crate::trace::Trace;
 
 /// The run goes on for this long after the mission is over, to see everything that is still due.
@@ -45,6 +50,15 @@ pub enum SimError {
     /// The log cannot be written.
     #[error(transparent)]
     Recorder(#[from] RecorderError),
+    /// The payload controller cannot be made.
+    #[error("world.toml: [plc]: {0}")]
+    Controller(#[from] PlcError),
+    /// The controller's sonars cannot be made.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The client of the sonars cannot be made.
+    #[error("mission.toml: [sonar]: {0}")]
+    Sonar(#[from] ConfigError),
 }
 
 /// How far [`Simulation::advance_until`] came.
@@ -112,6 +126,10 @@ pub struct Simulation {
     mission: String,
     seed: u64,
     expect: backseat_mvc::Expectations,
+    /// The sonars' payload controller, if the scenario has one.
+    controller: Option<Controller>,
+    /// What a client of it needs to know of the mission.
+    sonar: Option<SonarSettings>,
 }
 
 impl Simulation {
@@ -150,7 +168,16 @@ impl Simulation {
         }
         let names = loaded.setups.iter().map(|setup| setup.name.clone()).collect();
         let (settings, envelope) = (mission.file.session.clone(), mission.envelope.clone());
-        let process = Process::new(Timestamp::ZERO, settings.clone(), envelope.clone(), loaded, start);
+        let sonar = SonarSettings::of(mission);
+        let bridge = sonar.as_ref().map(|sonar| sonar.bridge(utc_at_start)).transpose()?;
+        let process = Process::new(
+            Timestamp::ZERO,
+            settings.clone(),
+            envelope.clone(),
+            loaded,
+            start,
+            bridge,
+        );
         let mut simulation = Self {
             process: Some(process),
             successor: None,
@@ -182,8 +209,12 @@ impl Simulation {
             mission: mission.name.clone(),
             seed,
             expect: scenario.world.expect,
+            controller: Controller::new(scenario, seed, utc_at_start)?,
+            sonar,
         };
+        simulation.show_controller();
         simulation.drain_core()?;
+        simulation.drain_client()?;
         Ok(simulation)
     }
 
@@ -304,8 +335,12 @@ impl Simulation {
             return Ok(Step::Over);
         }
         let own = self.process.as_ref().map(Process::due).unwrap_or_default();
+        let [controller_due, to_controller, to_client] =
+            self.controller.as_ref().map(Controller::due).unwrap_or_default();
+        // A client that is stopped reads nothing.
+        let to_client = to_client.filter(|_| self.is_awake());
         // The order at the same instant: faults of the link, what arrives, plugins' answers, connecting, the vehicle,
-        // then core's own timers.
+        // core's own timers, then the sonars.
         let due = [
             self.link_fault_due(),
             self.to_vehicle.next(),
@@ -314,6 +349,10 @@ impl Simulation {
             own.connect,
             self.mvc.poll_timeout(),
             own.wakes.or(self.successor.as_ref().map(|successor| successor.at)),
+            controller_due,
+            to_controller,
+            to_client,
+            own.client,
         ];
         let mut first: Option<(Timestamp, usize)> = None;
         for (index, at) in due.into_iter().enumerate() {
@@ -340,10 +379,15 @@ impl Simulation {
             4 => self.connect()?,
             5 => {
                 self.mvc.handle_timeout(self.now);
+                self.show_controller();
                 self.look()?;
                 self.drain_mvc()?;
             }
-            _ => self.wake()?,
+            6 => self.wake()?,
+            7 => self.controller_due()?,
+            8 => self.arrive_at_controller()?,
+            9 => self.arrive_at_client()?,
+            _ => self.client_due()?,
         }
         Ok(Step::Went)
     }

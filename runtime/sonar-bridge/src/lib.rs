@@ -7,6 +7,8 @@
 
 mod bridge;
 mod from_client;
+mod settings;
 mod to_client;
 
 pub use bridge::{Act, Bridge, PINGS_PER_S_MAX, PluginPing};
+pub use settings::SonarSettings;

@@ -20,7 +20,13 @@ impl Simulation {
         Ok(())
     }
 
+    /// Hands core an input, and carries out what follows, also at the sonars.
     pub(super) fn feed(&mut self, input: Input<'_>) -> Result<(), SimError> {
+        self.feed_core(input)?;
+        self.drain_client()
+    }
+
+    pub(super) fn feed_core(&mut self, input: Input<'_>) -> Result<(), SimError> {
         let Some(process) = &mut self.process else {
             return Ok(());
         };
@@ -90,6 +96,11 @@ impl Simulation {
             }
             Output::Reserve(_) => {}
             Output::Finish => self.finished = true,
+            Output::Sonar(wish) => {
+                if let Some(client) = &mut process.client {
+                    client.wishes.push_back(wish);
+                }
+            }
             // No external source runs in simulation, so nobody reads this.
             Output::External(..) => {}
             Output::Note(note) => self.note(&note),

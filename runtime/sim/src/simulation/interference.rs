@@ -52,6 +52,7 @@ impl Simulation {
         let told = self.remark("the runtime is killed");
         self.or_later(told);
         self.disconnect();
+        self.lose_client();
         self.oracle.runtime_stopped(self.now);
         if let Some(process) = self.process.take() {
             add(&mut self.counts_before, process.core.request_counts());
@@ -236,10 +237,13 @@ impl Simulation {
             self.or_later(told);
         }
         let (settings, envelope) = (self.settings.clone(), self.envelope.clone());
-        self.process = Some(Process::new(now, settings, envelope, successor.loaded, start));
+        let utc = start.utc;
+        let bridge = self.sonar.as_ref().map(|sonar| sonar.bridge(utc)).transpose()?;
+        self.process = Some(Process::new(now, settings, envelope, successor.loaded, start, bridge));
         self.oracle.runtime_started(now);
         self.remark("the runtime has started again")?;
-        self.drain_core()
+        self.drain_core()?;
+        self.drain_client()
     }
 
     /// Writes a line of the simulation itself into the log.

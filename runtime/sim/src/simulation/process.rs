@@ -5,7 +5,10 @@ use backseat_core::plugin::{NavigationSample, PluginId, Returned, StepInput};
 use backseat_core::{Core, Envelope, Input, Operator, Reservation, Restarted, Settings, Start};
 use backseat_plugin_host::Plugin;
 use backseat_plugin_loader::Loaded;
+use backseat_sonar_bridge::Bridge;
 use backseat_units::{Position, Timestamp};
+
+use crate::simulation::sonars::Client;
 
 /// A unit of fuel takes a nanosecond, which is close to what a present-day processor needs.
 const FUEL_PER_SECOND: u64 = 1_000_000_000;
@@ -13,6 +16,8 @@ const FUEL_PER_SECOND: u64 = 1_000_000_000;
 /// A process of the runtime: everything that is gone when it is killed.
 pub(super) struct Process {
     pub(super) core: Core,
+    /// The client of the sonars, if the mission has any.
+    pub(super) client: Option<Client>,
     /// When it began. Its own clock counts from there.
     epoch: Timestamp,
     plugins: Vec<Slot>,
@@ -62,6 +67,8 @@ pub(super) struct Due {
     pub(super) connect: Option<Timestamp>,
     /// Core's timers, or the end of a stop.
     pub(super) wakes: Option<Timestamp>,
+    /// The client of the sonars has something to do.
+    pub(super) client: Option<Timestamp>,
 }
 
 impl Process {
@@ -71,6 +78,7 @@ impl Process {
         envelope: Arc<Envelope>,
         loaded: Loaded,
         start: Start,
+        bridge: Option<Bridge>,
     ) -> Self {
         let slot = |plugin| Slot {
             plugin,
@@ -78,6 +86,7 @@ impl Process {
         };
         Self {
             core: Core::new(settings, envelope, loaded.setups, start),
+            client: bridge.map(Client::new),
             epoch,
             plugins: loaded.plugins.into_iter().map(slot).collect(),
             answers: Vec::new(),
@@ -104,7 +113,17 @@ impl Process {
                 .core
                 .poll_timeout()
                 .map(|at| self.epoch + at.since(Timestamp::ZERO)),
+            client: self
+                .client
+                .as_ref()
+                .and_then(Client::due)
+                .map(|at| self.epoch + at.since(Timestamp::ZERO)),
         }
+    }
+
+    /// A time of the run on the process's own clock.
+    pub(super) fn own_time(&self, now: Timestamp) -> Timestamp {
+        Timestamp::ZERO + now.since(self.epoch)
     }
 
     pub(super) fn handle(&mut self, now: Timestamp, input: Input<'_>) {
@@ -121,7 +140,7 @@ impl Process {
             | Input::UtcSet(_)
             | Input::Timeout => {}
         }
-        let own = Timestamp::ZERO + now.since(self.epoch);
+        let own = self.own_time(now);
         self.core.handle(own, input);
     }
 
@@ -173,7 +192,7 @@ impl Process {
 
     /// Whether core has asked to be woken by now.
     pub(super) fn is_due(&self, now: Timestamp) -> bool {
-        let own = Timestamp::ZERO + now.since(self.epoch);
+        let own = self.own_time(now);
         self.core.poll_timeout().is_some_and(|at| at <= own)
     }
 

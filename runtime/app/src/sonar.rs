@@ -56,7 +56,7 @@ impl Sonars {
         let address = format!("{}:{}", bridge.config().host, bridge.config().port);
         let served = move || {
             let sent = sender.clone();
-            let serving = AssertUnwindSafe(|| Server::new(bridge, clock, address, sender).serve(wanted));
+            let serving = AssertUnwindSafe(|| Server::new(bridge, clock, address).serve(wanted, &sender));
             if !matches!(catch_unwind(serving), Ok(Ok(()))) {
                 gone(&sent);
             }
@@ -130,11 +130,10 @@ struct Server {
     lost: bool,
     finished: bool,
     backlog: VecDeque<FromSonar>,
-    reports: Sender<FromSonar>,
 }
 
 impl Server {
-    fn new(bridge: Bridge, clock: Clock, address: String, reports: Sender<FromSonar>) -> Self {
+    fn new(bridge: Bridge, clock: Clock, address: String) -> Self {
         Self {
             bridge,
             clock,
@@ -144,11 +143,10 @@ impl Server {
             lost: false,
             finished: false,
             backlog: VecDeque::new(),
-            reports,
         }
     }
 
-    fn serve(mut self, mut wishes: Receiver<Wish>) -> std::io::Result<()> {
+    fn serve(mut self, mut wishes: Receiver<Wish>, reports: &Sender<FromSonar>) -> std::io::Result<()> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         runtime.block_on(async {
             let mut buffer = vec![0; 64 * 1024];
@@ -166,7 +164,7 @@ impl Server {
                         // Core's loop has ended.
                         None => return,
                     },
-                    Ok(permit) = self.reports.reserve(), if !self.backlog.is_empty() => {
+                    Ok(permit) = reports.reserve(), if !self.backlog.is_empty() => {
                         if let Some(report) = self.backlog.pop_front() {
                             permit.send(report);
                         }
@@ -192,7 +190,7 @@ impl Server {
             }
             // The controller is shut down. What is still to be reported goes to core as it takes it.
             for report in self.backlog {
-                if self.reports.send(report).await.is_err() {
+                if reports.send(report).await.is_err() {
                     return;
                 }
             }

@@ -17,6 +17,7 @@ mod verdict;
 
 pub use digest::{Digest, Direction};
 pub use report::Report;
+pub use simulation::sonars::FileSink;
 pub use simulation::{SimError, Simulation, Step};
 pub use survey_map::survey_map;
 pub use trace::{Sample, Steering, Trace};

@@ -29,6 +29,9 @@ pub struct SonarConfig {
     pub shutdown: ShutdownKind,
     /// Size and overlap of the controller's log files (command 26). Default: left as they are.
     pub logging: Option<LoggingSetup>,
+    /// Whether logging follows the vehicle: on at BFBDL, off at BFSDL (SPI 5.3, 5.4). This setting is for the driver,
+    /// which gives the orders. Default `true`.
+    pub log_with_vehicle: bool,
     /// Whether the client passes the vehicle's navigation and speed of sound to the controller (record 3100). Default
     /// `true`.
     pub vehicle_data: bool,
@@ -162,6 +165,7 @@ impl Default for SonarConfig {
             time_messages: true,
             shutdown: ShutdownKind::Controller,
             logging: None,
+            log_with_vehicle: true,
             vehicle_data: true,
             route_to: None,
             navigation_times: NavigationTimes::Unix,

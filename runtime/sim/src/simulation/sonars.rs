@@ -254,7 +254,7 @@ impl Simulation {
         }
         while let Some(event) = controller.plc.poll_event() {
             if let Some(recorder) = &mut self.recorder {
-                recorder.vehicle_event(now, &format!("payload controller: {event}"))?;
+                recorder.vehicle_event(now, &format!("payload controller: {}", event.kind))?;
             }
         }
         let mut cut = false;

@@ -1,10 +1,13 @@
-//! The settings of the client: the later table `[sonar]` of mission.toml.
+//! The settings of the client: the table `[sonar]` of mission.toml.
 
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+use backseat_s7k::plc::Generic;
 use backseat_s7k::{BluefinChecksum, SensorIndex};
 use serde::{Deserialize, Serialize};
+
+use crate::order::check_setting;
 
 /// The settings of the client. Every key has a default; [`SonarConfig::check`] compares the values with their ranges.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,7 +68,10 @@ pub struct SonarConfig {
 }
 
 /// A sensor of the controller.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+///
+/// The client sends the settings (command 0) on each connection, so what a plugin has changed is lost with a connection.
+/// Without a setting, the sensor keeps its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorConfig {
     /// The sensor's index in the controller's run list, 0 or more.
@@ -75,6 +81,48 @@ pub struct SensorConfig {
     pub device: u32,
     /// The record types to subscribe to, at most 8: 3000 sidescan, 3001 sub-bottom.
     pub records: Vec<u32>,
+    /// Its range, metres, over 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range_m: Option<f64>,
+    /// Its pulse, by the sonar's own name for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pulse: Option<String>,
+    /// Its power, 0 to 100 %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power_percent: Option<f64>,
+    /// The receiver's gain, in the sonar's own steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gain: Option<i32>,
+    /// The time from ping to ping, milliseconds, over 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period_ms: Option<f64>,
+    /// Whether it pings. Sent after its other settings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ping: Option<bool>,
+}
+
+impl SensorConfig {
+    /// Its settings, in the order in which they are sent.
+    pub(crate) fn settings(&self) -> impl Iterator<Item = (&'static str, Generic)> + '_ {
+        let pulse = |name: &String| Generic::Pulse {
+            name: Box::from(name.as_str()),
+        };
+        let settings = [
+            ("range_m", self.range_m.map(|range_m| Generic::Range { range_m })),
+            ("pulse", self.pulse.as_ref().map(pulse)),
+            (
+                "power_percent",
+                self.power_percent.map(|percent| Generic::TxPower { percent }),
+            ),
+            ("gain", self.gain.map(|gain| Generic::RxGain { gain })),
+            (
+                "period_ms",
+                self.period_ms.map(|period_ms| Generic::Duration { period_ms }),
+            ),
+            ("ping", self.ping.map(|on| Generic::Ping { on })),
+        ];
+        settings.into_iter().filter_map(|(key, setting)| Some((key, setting?)))
+    }
 }
 
 /// What command 13 shuts down.
@@ -225,6 +273,13 @@ impl SonarConfig {
             if sensor.records.is_empty() || sensor.records.len() > RECORDS_MAX {
                 let expected = format!("1 to {RECORDS_MAX} record types");
                 return Err(fault(&key("records"), &sensor.records.len(), &expected));
+            }
+            for (name, setting) in sensor.settings() {
+                check_setting(&setting).map_err(|expected| {
+                    let mut found = String::new();
+                    let _unwritable = setting.write(&mut found);
+                    fault(&key(name), &found, &format!("allowed: {expected}"))
+                })?;
             }
             for other in &self.sensor[..number] {
                 if other.index == sensor.index {

@@ -211,6 +211,10 @@ impl Job {
                     .map(|record| Step::subscribe(config, index, *record)),
             );
         }
+        for sensor in &config.sensor {
+            let index = SensorIndex(sensor.index);
+            steps.extend(sensor.settings().map(|(_, setting)| Step::set(config, index, &setting)));
+        }
         if let Some(sensor) = config.route_to.map(SensorIndex) {
             steps.push(Step {
                 subject: Some(sensor),

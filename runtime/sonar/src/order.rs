@@ -116,7 +116,7 @@ fn check_file(file: &str) -> Result<(), &'static str> {
     }
 }
 
-fn check_setting(setting: &Generic) -> Result<(), &'static str> {
+pub(crate) fn check_setting(setting: &Generic) -> Result<(), &'static str> {
     let positive = |value: f64| value.is_finite() && value > 0.0 && value < 1e6;
     match setting {
         Generic::Range { range_m } if !positive(*range_m) => Err("the range must be over 0 m"),

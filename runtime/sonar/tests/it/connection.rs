@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use backseat_s7k::plc::CommandId;
-use backseat_sonar::{Event, LoggingSetup, SonarConfig};
+use backseat_sonar::{Event, LoggingSetup, SensorConfig, SonarConfig};
 use backseat_units::Timestamp;
 
 use crate::controller::Answer;
@@ -51,6 +51,40 @@ fn a_new_connection_is_said_everything_in_order() {
             "logging is off",
             "health; sensor 0 healthy; sensor 1 healthy",
             "the payload controller is ready",
+        ]
+    );
+}
+
+#[test]
+fn the_settings_of_a_sensor_are_said_before_it_pings() {
+    let mut settings = config();
+    settings.sensor[0] = SensorConfig {
+        range_m: Some(75.0),
+        pulse: Some("FM 4-24 kHz 10 ms".to_owned()),
+        power_percent: Some(80.0),
+        gain: Some(-3),
+        period_ms: Some(200.0),
+        ping: Some(true),
+        ..settings.sensor[0].clone()
+    };
+    let mut trial = Trial::with(settings, Vec::new());
+    trial.run_s(5.0);
+    let set: Vec<&str> = trial
+        .controller
+        .heard
+        .iter()
+        .map(String::as_str)
+        .filter(|line| line.starts_with("0 "))
+        .collect();
+    assert_eq!(
+        set,
+        [
+            r#"0 0 "Range = 75.00""#,
+            r#"0 0 "Pulse = FM 4-24 kHz 10 ms""#,
+            r#"0 0 "TxPower = 80.00""#,
+            r#"0 0 "RxGain = -3""#,
+            r#"0 0 "Duration = 200.00""#,
+            r#"0 0 "Ping = 1""#,
         ]
     );
 }

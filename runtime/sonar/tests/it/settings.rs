@@ -50,6 +50,7 @@ fn every_key_is_read() {
         index: 0,
         device: 11_002,
         records: vec![3000],
+        ..SensorConfig::default()
     };
     assert_eq!(settings.sensor, [sensor]);
     assert_eq!(settings.bluefin_checksum, BluefinChecksum::DataOnly);
@@ -93,6 +94,12 @@ fn a_value_outside_its_range_is_named() {
     assert!(fault(|settings| settings.sensor[1].index = -1).contains("sensor[1].index"));
     assert!(fault(|settings| settings.sensor[1].index = 0).contains("an index that no other sensor has"));
     assert!(fault(|settings| settings.sensor[1].device = 11_001).contains("a device that no other sensor has"));
+    assert_eq!(
+        fault(|settings| settings.sensor[1].range_m = Some(0.0)),
+        "sonar setting sensor[1].range_m: Range = 0.00 is not allowed: the range must be over 0 m"
+    );
+    assert!(fault(|settings| settings.sensor[0].power_percent = Some(101.0)).contains("within 0 to 100 %"));
+    assert!(fault(|settings| settings.sensor[0].pulse = Some("\n".to_owned())).contains("sensor[0].pulse"));
     assert!(fault(|settings| settings.sensor[1].records.clear()).contains("1 to 8 record types"));
     assert!(fault(|settings| settings.sensor = vec![settings.sensor[0].clone(); 17]).contains("at most 16 sensors"));
 }
@@ -129,7 +136,7 @@ fn the_page_has_every_key() {
         ..config()
     };
     let table: toml::Table = toml::from_str(&toml::to_string(&settings).unwrap()).unwrap();
-    assert_eq!(table.len(), 20);
+    assert_eq!(table.len(), 21);
     for key in table.keys() {
         let row = if key == "sensor" {
             "| `[[sensor]]` |".to_owned()

@@ -50,6 +50,7 @@ pub(crate) fn config() -> SonarConfig {
         index,
         device,
         records: vec![record],
+        ..SensorConfig::default()
     };
     SonarConfig {
         sensor: vec![sensor(0, 11_001, 3000), sensor(1, 11_000, 3001)],

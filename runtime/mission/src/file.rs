@@ -1,5 +1,6 @@
 use backseat_core::{FailAction, Grant, Limits, PluginLimits, Policy, Recovery, Settings};
 use backseat_plan::VehicleClass;
+use backseat_sonar::{PingGrant, SonarConfig};
 use serde::{Deserialize, Serialize};
 
 use crate::external::ExternalTable;
@@ -58,6 +59,20 @@ pub struct MissionFile {
     /// The programs that may send sentences that change the vehicle's estimate of its position.
     #[serde(default, rename = "external")]
     pub externals: Vec<ExternalTable>,
+    /// The sonars' payload controller, and what the client of it does. Without this table the runtime does not connect to
+    /// one.
+    ///
+    /// ```toml
+    /// [sonar]
+    /// host = "192.168.1.20"
+    ///
+    /// [[sonar.sensor]]
+    /// index = 2                # in the controller's run list
+    /// device = 11002           # in the frames of its records
+    /// records = [3000]
+    /// ```
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sonar: Option<SonarConfig>,
 }
 
 /// The `[vehicle]` table.
@@ -128,6 +143,16 @@ pub struct PluginTable {
     /// `inserts_duration_max_s`, `steering_max_s`, `requests_per_s`.
     #[serde(default)]
     pub limits: PluginLimits,
+    /// The sonar pings that it sees, and how finely.
+    ///
+    /// ```toml
+    /// [[plugin.ping]]
+    /// sensor = 2               # one of [[sonar.sensor]]
+    /// samples = 512            # of each channel, at most
+    /// decimation = "maximum"   # or mean
+    /// ```
+    #[serde(default, rename = "ping", skip_serializing_if = "Vec::is_empty")]
+    pub pings: Vec<PingGrant>,
     /// The processor time and memory that it may use.
     #[serde(default)]
     pub budget: BudgetTable,

@@ -15,6 +15,7 @@ mod mission;
 mod plan;
 mod predive;
 mod renamed;
+mod sonar;
 
 pub use component::find_component;
 pub use error::MissionError;

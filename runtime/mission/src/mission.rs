@@ -14,6 +14,7 @@ use crate::fence;
 use crate::file::{MissionFile, PluginTable, VehicleTable};
 use crate::plan::{self, FrontSeatPlan};
 use crate::renamed::with_new_name;
+use crate::sonar::check_sonar;
 
 /// The layers over `mission.toml`.
 #[derive(Clone, Debug, Default)]
@@ -85,6 +86,7 @@ impl Mission {
         check_texts(&path, &file.session)?;
         check_vehicle(&path, &file.vehicle)?;
         check_plugins(&path, &file.plugins)?;
+        check_sonar(file.sonar.as_ref(), &file.plugins).map_err(|fault| value(&path, fault))?;
         check_policies(&path, &file.policies)?;
         check_holds(&path, &file.session, &file.policies)?;
         file.session.policies.clone_from(&file.policies);
@@ -366,18 +368,22 @@ pub(crate) fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> Mi
 }
 
 /// What serde calls a type, and what its value is in a file.
-const TYPES: [(&str, &str); 5] = [
+const TYPES: [(&str, &str); 8] = [
     ("expected f64", "expected a number"),
+    ("expected i32", "expected a whole number, -2147483648 to 2147483647"),
+    ("expected u16", "expected a whole number, 0 to 65535"),
     ("expected u32", "expected a whole number, 0 to 4294967295"),
     ("expected u64", "expected a whole number, 0 or more"),
+    ("expected usize", "expected a whole number, 0 or more"),
     ("expected a boolean", "expected true or false"),
     ("expected a sequence", "expected a list"),
 ];
 
-/// The key whose value begins where this text ends.
+/// The key whose value, or an entry of whose list, begins where this text ends.
 fn key_before(text: &str) -> Option<&str> {
     let (before, value) = text.rsplit_once('=')?;
-    if !value.trim().is_empty() {
+    let value = value.trim();
+    if !(value.is_empty() || value.starts_with('[') && !value.contains(']')) {
         return None;
     }
     let key = before.rsplit(['\n', ',', '{']).next()?.trim();

@@ -415,3 +415,112 @@ fn a_value_of_the_wrong_type_is_told_with_its_key_and_what_a_file_has_there() {
         assert!(error.starts_with("mission.toml:2: ") && error.contains(told), "{error}");
     }
 }
+
+const SONAR: &str = r#"
+[[plugin.ping]]
+sensor = 2
+samples = 512
+decimation = "mean"
+
+[[plugin.ping]]
+sensor = 0
+samples = 4096
+decimation = "maximum"
+
+[sonar]
+host = "192.168.1.20"
+
+[[sonar.sensor]]
+index = 0
+device = 11000
+records = [3001]
+
+[[sonar.sensor]]
+index = 2
+device = 11002
+records = [3000]
+"#;
+
+#[test]
+fn the_payload_controller_and_the_pings_of_plugins_are_read_and_resolved() {
+    let without = load(MISSION, FENCE, &[]).unwrap();
+    assert!(without.file.sonar.is_none() && without.file.plugins[0].pings.is_empty());
+    assert!(!without.resolved.contains("sonar") && !without.resolved.contains("ping"));
+    let mission = load(&format!("{MISSION}{SONAR}"), FENCE, &["sonar.port=7001"]).unwrap();
+    let sonar = mission.file.sonar.as_ref().unwrap();
+    assert_eq!(
+        (&*sonar.host, sonar.port, sonar.sensor.len()),
+        ("192.168.1.20", 7001, 2)
+    );
+    let pings = &mission.file.plugins[0].pings;
+    let read: Vec<(i32, u16)> = pings.iter().map(|ping| (ping.sensor, ping.samples)).collect();
+    assert_eq!(read, [(2, 512), (0, 4096)]);
+    // What a log has attached is read as the same.
+    let again = MissionFile::from_toml("mission.toml", &mission.resolved).unwrap();
+    assert_eq!((&again.sonar, &again.plugins[0].pings), (&mission.file.sonar, pings));
+    // A table without keys is the defaults.
+    let empty = load(&format!("{MISSION}[sonar]\n"), FENCE, &[]).unwrap();
+    assert_eq!(empty.file.sonar, Some(backseat_sonar::SonarConfig::default()));
+}
+
+#[test]
+fn a_payload_controller_that_makes_no_sense_is_named() {
+    let whole = format!("{MISSION}{SONAR}");
+    let with = |from: &str, to: &str| {
+        assert!(whole.contains(from), "{from}");
+        fault(&whole.replacen(from, to, 1), &[])
+    };
+    for (from, to, said) in [
+        ("host =", "hosts =", "unknown field `hosts`"),
+        ("device = 11000", "devices = 11000", "unknown field `devices`"),
+        ("samples = 512", "sample = 512", "unknown field `sample`"),
+        ("\"mean\"", "\"median\"", "unknown variant `median`"),
+        ("decimation = \"mean\"", "", "missing field `decimation`"),
+        (
+            "host = \"192.168.1.20\"",
+            "port = 0",
+            "sonar.port is 0: expected within 1 to 65535",
+        ),
+        (
+            "host = \"192.168.1.20\"",
+            "port = 70000",
+            "port: invalid value: integer `70000`, expected a whole number, 0 to 65535",
+        ),
+        (
+            "[3001]",
+            "[3001, -1]",
+            "records: invalid value: integer `-1`, expected a whole number",
+        ),
+        (
+            "index = 0",
+            "index = 2",
+            "sonar.sensor[1].index is 2: expected an index that no other sensor has",
+        ),
+        (
+            "sensor = 2",
+            "sensor = 1",
+            "plugin `isobath`: ping.sensor is 1: expected the index of a [[sonar.sensor]]: 0, 2",
+        ),
+        (
+            "samples = 4096",
+            "samples = 4097",
+            "plugin `isobath`: ping.samples is 4097: expected 1 to 4096",
+        ),
+        ("samples = 512", "samples = 0", "ping.samples is 0: expected 1 to 4096"),
+    ] {
+        let message = with(from, to);
+        assert!(message.contains(said) && message.contains("mission.toml"), "{message}");
+    }
+    let (pings, _) = SONAR.split_once("[sonar]").unwrap();
+    let message = fault(&format!("{MISSION}{pings}"), &[]);
+    assert!(
+        message.ends_with("ping.sensor is 2, and the mission has no [sonar]: expected one with that [[sonar.sensor]]"),
+        "{message}"
+    );
+    let many = "[[plugin.ping]]\nsensor = 2\nsamples = 1\ndecimation = \"mean\"\n".repeat(15);
+    let message = fault(&whole.replacen("\n[sonar]", &format!("{many}[sonar]"), 1), &[]);
+    assert!(
+        message.ends_with("the plugins have 17 [[plugin.ping]] tables: expected at most 16"),
+        "{message}"
+    );
+}

@@ -26,6 +26,8 @@ pub enum Kind {
     BooleanOrSeed,
     /// A list of numbers.
     Numbers,
+    /// A list of whole numbers.
+    Integers,
     /// A list of texts.
     Strings,
     /// A list of words from [`Entry::values`].
@@ -53,6 +55,7 @@ impl Kind {
             Self::NumberOrSeed => "number, or `\"seed\"`",
             Self::BooleanOrSeed => "`true`, `false`, or `\"seed\"`",
             Self::Numbers => "list of numbers",
+            Self::Integers => "list of whole numbers",
             Self::Strings => "list of texts",
             Self::Choices => "list of the words below",
             Self::Table => "table",

@@ -74,6 +74,7 @@ fn held(reference: &Reference, entry: &Entry) -> Map<String, Value> {
         Kind::NumberOrSeed => object(json!({ "anyOf": [number(), { "enum": ["seed"] }] })),
         Kind::BooleanOrSeed => object(json!({ "enum": [true, false, "seed"] })),
         Kind::Numbers => object(json!({ "type": "array", "items": number() })),
+        Kind::Integers => object(json!({ "type": "array", "items": with_range(entry, "integer") })),
         Kind::Strings => object(json!({ "type": "array", "items": { "type": "string" } })),
         Kind::Choices => object(json!({ "type": "array", "items": words() })),
         Kind::Choice => {

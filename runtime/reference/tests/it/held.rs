@@ -233,10 +233,10 @@ pub(crate) fn bounds(reference: &Reference, elsewhere: &[&str], read: Read<'_>) 
     document::of(reference);
     let mut faults = Vec::new();
     for entry in &reference.entries {
-        let is_list = entry.kind == Kind::Numbers;
+        let is_list = matches!(entry.kind, Kind::Numbers | Kind::Integers);
         let number = |value: f64| {
             #[expect(clippy::cast_possible_truncation, reason = "bounds of whole numbers are whole")]
-            let number = if entry.kind == Kind::Integer {
+            let number = if is_whole(entry) {
                 Value::Integer(value as i64)
             } else {
                 Value::Float(value)
@@ -245,7 +245,7 @@ pub(crate) fn bounds(reference: &Reference, elsewhere: &[&str], read: Read<'_>) 
         };
         if !matches!(
             entry.kind,
-            Kind::Number | Kind::Integer | Kind::Drawn | Kind::NumberOrSeed | Kind::Numbers
+            Kind::Number | Kind::Integer | Kind::Drawn | Kind::NumberOrSeed | Kind::Numbers | Kind::Integers
         ) {
             continue;
         }
@@ -303,7 +303,7 @@ fn edges(entry: &Entry) -> (Vec<f64>, Vec<f64>) {
     /// Greater than any number that a file means.
     const HUGE: f64 = 1e300;
     let step = |bound: f64| {
-        if entry.kind == Kind::Integer {
+        if is_whole(entry) {
             1.0
         } else {
             bound.abs().max(1.0) * 1e-6
@@ -321,7 +321,7 @@ fn edges(entry: &Entry) -> (Vec<f64>, Vec<f64>) {
         }
         // What else bounds it, the condition says.
         (None, None) if entry.condition.is_some() => {}
-        (None, None) if entry.kind == Kind::Integer => good.push(-1.0),
+        (None, None) if is_whole(entry) => good.push(-1.0),
         (None, None) => good.push(-HUGE),
     }
     match (entry.max, entry.below) {
@@ -335,15 +335,19 @@ fn edges(entry: &Entry) -> (Vec<f64>, Vec<f64>) {
         }
         (None, None) if entry.condition.is_some() => {}
         // No type of a whole number has less room.
-        (None, None) if entry.kind == Kind::Integer => good.push(f64::from(i32::MAX)),
+        (None, None) if is_whole(entry) => good.push(f64::from(i32::MAX)),
         (None, None) => good.push(HUGE),
     }
     // The code cannot take what is no number where it asks for a range.
     let ranged = !bad.is_empty() || entry.condition.is_some();
-    if entry.kind != Kind::Integer && ranged {
+    if !is_whole(entry) && ranged {
         bad.extend([f64::NAN, f64::INFINITY]);
     }
     (good, bad)
+}
+
+fn is_whole(entry: &Entry) -> bool {
+    matches!(entry.kind, Kind::Integer | Kind::Integers)
 }
 
 fn names(error: &str, entry: &Entry) -> bool {

@@ -5,7 +5,7 @@ use std::fs;
 use backseat_mission::{Layers, Mission};
 use backseat_reference::Reference;
 use tempfile::TempDir;
-use toml::Table;
+use toml::{Table, Value};
 
 use crate::held;
 
@@ -31,7 +31,21 @@ fn reference() -> &'static Reference {
     Reference::of("mission.toml").expect("it has a reference")
 }
 
+/// A sensor for the pings of a plugin.
+const SENSOR: &str = "index = 2\ndevice = 11002\nrecords = [3000]\n";
+
 fn read(document: &Table) -> Result<String, String> {
+    let mut document = document.clone();
+    let pings = |plugin: &Value| plugin.get("ping").is_some();
+    let plugins = document.get("plugin").and_then(Value::as_array);
+    if plugins.is_some_and(|plugins| plugins.iter().any(pings)) {
+        let sensor: Table = SENSOR.parse().expect("it is a table");
+        let sensors = Value::Array(vec![Value::Table(sensor)]);
+        document.insert(
+            "sonar".to_owned(),
+            Value::Table(Table::from_iter([("sensor".to_owned(), sensors)])),
+        );
+    }
     let folder = TempDir::new().expect("a temporary folder");
     let (fence, text) = if document.contains_key("fence") {
         ("fence.kml", KML)
@@ -42,7 +56,7 @@ fn read(document: &Table) -> Result<String, String> {
     fs::write(folder.path().join("plan.toml"), PLAN).expect("the folder can be written");
     fs::write(
         folder.path().join("mission.toml"),
-        toml::to_string(document).expect("a table is TOML"),
+        toml::to_string(&document).expect("a table is TOML"),
     )
     .expect("the folder can be written");
     match Mission::load(folder.path(), &Layers::default()) {

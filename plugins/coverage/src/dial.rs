@@ -13,6 +13,8 @@ pub(crate) struct Dial {
     open: Option<(u64, f64)>,
     not_before_ns: u64,
     failures: u32,
+    /// Nobody knows which value the sonar has.
+    is_unsure: bool,
 }
 
 impl Dial {
@@ -29,9 +31,19 @@ impl Dial {
         self.wanted = None;
     }
 
+    /// The value that is wanted, or was.
+    pub(crate) const fn wanted(&self) -> Option<f64> {
+        self.wanted
+    }
+
     /// The value that was accepted last.
     pub(crate) const fn accepted(&self) -> Option<f64> {
         self.accepted
+    }
+
+    /// Whether nobody knows which value the sonar has, because a request has failed.
+    pub(crate) const fn is_unsure(&self) -> bool {
+        self.is_unsure
     }
 
     /// How often the wanted value was refused or has failed.
@@ -66,10 +78,14 @@ impl Dial {
         self.open = None;
         if is_done {
             self.accepted = Some(value);
+            self.is_unsure = false;
             return None;
         }
-        // It may have the value or not.
-        self.accepted = None;
+        if !matches!(state, State::Rejected(_)) {
+            // The sonar may have the value or not.
+            self.accepted = None;
+            self.is_unsure = true;
+        }
         self.failures += 1;
         Some(value)
     }
@@ -79,6 +95,7 @@ impl Dial {
         if self.open.is_some_and(|(tag, _)| !open.contains(&tag)) {
             self.open = None;
             self.accepted = None;
+            self.is_unsure = true;
         }
     }
 

@@ -1,10 +1,13 @@
 use backseat_sdk::sonar::coverage::{Band, CoverageMap, FillWish, LineReach, Look, Place, Strip, Sweep};
+use backseat_sdk::units::math::tan;
 use serde::{Deserialize, Serialize};
 
 use crate::config::Config;
 
 /// The way from one short line to the next and onto it, metres.
 const FILL_OVERHEAD_M: f64 = 150.0;
+/// A line of the sweep that goes back to a hole sees at least this part of what one side sees on fresh ground.
+const WORTH: f64 = 0.6;
 /// The shortest line, metres.
 pub(crate) const LINE_MIN_M: f64 = 60.0;
 /// A survey ends after so many lines on which nothing was seen at all.
@@ -80,12 +83,15 @@ pub(crate) enum End {
 /// Decides on the lines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lines {
+    /// Distances across times [`Lines::sign`].
     sweep: Sweep,
+    /// 1 if the sweep goes towards greater distances across, -1 if it goes towards smaller ones.
+    sign: f64,
     /// Which sweep this is, from 1.
     number: u8,
     /// What each line has seen: its distance across, and the worst of both sides.
     achieved: Vec<(f64, Band)>,
-    /// The reach of the last line, towards greater distances across.
+    /// What the last line has seen towards new ground: the next one is expected to see as much.
     expected: Band,
     fills: u32,
     blind: u32,
@@ -95,7 +101,8 @@ pub(crate) struct Lines {
 impl Lines {
     pub(crate) fn new(config: &Config, map: &CoverageMap) -> Self {
         Self {
-            sweep: sweep(config, map),
+            sweep: sweep(config, map, 1.0),
+            sign: 1.0,
             number: 1,
             achieved: Vec::new(),
             expected: Band::level(config.range_m, config.first_altitude_m, config.nadir_deg),
@@ -114,6 +121,17 @@ impl Lines {
             .rev()
             .min_by(|one, other| off(one).total_cmp(&off(other)));
         nearest.map_or(self.expected, |(_, band)| *band)
+    }
+
+    /// The altitude from which the last line has seen the least, metres; `None` if nothing tells it.
+    pub(crate) fn altitude_m(&self, config: &Config) -> Option<f64> {
+        let per_altitude = tan(config.nadir_deg.to_radians());
+        (per_altitude > 0.01).then(|| self.expected.inner_m / per_altitude)
+    }
+
+    /// The sonar's range will be another one on the next line.
+    pub(crate) fn expect_range(&mut self, range_m: f64, altitude_m: f64, config: &Config) {
+        self.expected = Band::level(range_m, altitude_m, config.nadir_deg);
     }
 
     /// A line was flown, or is nearly at its end.
@@ -139,7 +157,8 @@ impl Lines {
         ));
         if purpose == Purpose::Sweep {
             let before = self.sweep.clone();
-            self.sweep.flown(across_m, low, high);
+            let (low, high) = if self.sign > 0.0 { (low, high) } else { (high, low) };
+            self.sweep.flown(self.sign * across_m, low, high);
             if high.width_m() > 2.0 * config.overlap_m {
                 self.expected = high;
             }
@@ -152,7 +171,7 @@ impl Lines {
 
     /// A line is not flown: what it should have seen counts as done for the sweep. The map knows better.
     pub(crate) fn given_up(&mut self, line: &Line, purpose: Purpose) {
-        let (across_m, outer_m) = (line.from.across_m, self.expected.outer_m);
+        let (across_m, outer_m) = (self.sign * line.from.across_m, self.expected.outer_m);
         if purpose == Purpose::Sweep {
             self.sweep.skip(across_m - outer_m, across_m + outer_m.max(1.0));
         }
@@ -160,6 +179,14 @@ impl Lines {
 
     /// The next line, from a place, in a map that has what the present line still will see.
     pub(crate) fn next(&mut self, map: &CoverageMap, from: Place, config: &Config) -> Result<(Line, Purpose), End> {
+        if self.asked == 0 {
+            // The sweep begins on the side that is nearer to the vehicle.
+            let (least, most) = map.bounds();
+            if (from.across_m - most.across_m).abs() < (from.across_m - least.across_m).abs() {
+                self.sign = -1.0;
+                self.sweep = sweep(config, map, self.sign);
+            }
+        }
         self.asked += 1;
         if self.asked > LINES_MAX {
             return Err(End::Lines);
@@ -172,15 +199,28 @@ impl Lines {
                 if self.number >= config.times {
                     break;
                 }
+                // Back over the area from where the last sweep has ended.
                 self.number += 1;
-                self.sweep = sweep(config, map);
+                self.sign = -self.sign;
+                self.sweep = sweep(config, map, self.sign);
                 continue;
             };
+            let across_m = self.sign * across_m;
             let reach_m = self.expected.outer_m;
-            match map.extent(across_m - reach_m, across_m + reach_m, self.number) {
-                Some(extent) => return Ok((line(across_m, extent, from, config), Purpose::Sweep)),
+            let Some(extent) = map.extent(across_m - reach_m, across_m + reach_m, self.number) else {
                 // All of it was seen already, on other ways.
-                None => self.sweep.skip(across_m - reach_m, across_m + reach_m),
+                self.sweep
+                    .skip(self.sign * across_m - reach_m, self.sign * across_m + reach_m);
+                continue;
+            };
+            let gain_m2 = map.gain_m2(across_m, extent, self.expected, self.number);
+            let length_m = extent.1 - extent.0;
+            match self.sweep.hole_m() {
+                // A hole in what was seen is worth a line of the sweep only if that sees much that is new.
+                Some((from_m, to_m)) if gain_m2 < WORTH * self.expected.width_m() * length_m => {
+                    self.sweep.skip(from_m, to_m);
+                }
+                Some(_) | None => return Ok((line(across_m, extent, from, config), Purpose::Sweep)),
             }
         }
         if map.part(config.times) >= config.enough {
@@ -230,9 +270,10 @@ impl Lines {
     }
 }
 
-fn sweep(config: &Config, map: &CoverageMap) -> Sweep {
+fn sweep(config: &Config, map: &CoverageMap, sign: f64) -> Sweep {
     let (least, most) = map.bounds();
-    Sweep::new(least.across_m, most.across_m, config.cell_m)
+    let (one_m, other_m) = (sign * least.across_m, sign * most.across_m);
+    Sweep::new(one_m.min(other_m), one_m.max(other_m), config.cell_m)
 }
 
 /// A line over an extent that begins at the end that is nearer to a place.

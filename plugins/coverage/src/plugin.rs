@@ -62,8 +62,8 @@ struct State {
 /// Listening to the noise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Listening {
-    /// Not asked for, or not begun.
-    Waiting,
+    /// Not begun: the sonar has shown nothing yet. Since when the plugin has control.
+    Waiting { control_ns: Option<u64> },
     /// Power 0 is requested or set; since when, and what was heard.
     Silent {
         from_ns: u64,
@@ -93,7 +93,7 @@ impl Plugin for Coverage {
             map.size_m2()
         );
         let listening = if config.noise.is_some() {
-            Listening::Waiting
+            Listening::Waiting { control_ns: None }
         } else {
             Listening::Done
         };
@@ -178,7 +178,7 @@ impl Plugin for Coverage {
         if self.state.shut_down {
             return Ok(requests);
         }
-        self.listen(input.now_ns);
+        self.listen(input.now_ns, input.control);
         self.set_sonar(input.now_ns, &mut requests);
         if input.control && pose.is_some() && !self.state.is_done {
             self.plan(&mut requests);
@@ -247,8 +247,13 @@ impl Coverage {
         }
     }
 
+    /// Whether the sonar may be without transmission now. One that answers no request for its power, but pings, counts as
+    /// transmitting after some attempts.
     fn is_silent(&self) -> bool {
-        matches!(self.state.listening, Listening::Silent { .. }) || self.state.power.accepted() == Some(0.0)
+        let power = &self.state.power;
+        matches!(self.state.listening, Listening::Silent { .. })
+            || power.accepted() == Some(0.0)
+            || (power.is_unsure() && power.failures() < FAILURES_MAX)
     }
 
     fn hear_ping(&mut self, ping: &SonarPing, now_ns: u64) {
@@ -280,15 +285,12 @@ impl Coverage {
     }
 
     /// Listens to the noise before the first line.
-    fn listen(&mut self, now_ns: u64) {
+    fn listen(&mut self, now_ns: u64, control: bool) {
         let Some(noise) = self.config.noise else { return };
         let power = &mut self.state.power;
-        match &self.state.listening {
-            Listening::Waiting if self.state.flown > 0 || self.state.way_m.is_some() => {
-                self.state.listening = Listening::Done;
-            }
+        match &mut self.state.listening {
             // Pings show that the sonar is there.
-            Listening::Waiting if self.state.observer.has_looked() => {
+            Listening::Waiting { .. } if self.state.observer.has_looked() => {
                 power.want(0.0);
                 self.state.listening = Listening::Silent {
                     from_ns: now_ns,
@@ -309,7 +311,14 @@ impl Coverage {
                     self.state.listening = Listening::Done;
                 }
             }
-            Listening::Waiting | Listening::Done => {}
+            Listening::Waiting { control_ns } if control => {
+                let from_ns = *control_ns.get_or_insert(now_ns);
+                if now_ns.saturating_sub(from_ns) > LISTEN_NS {
+                    log::warn!("the noise is not known: no pings");
+                    self.state.listening = Listening::Done;
+                }
+            }
+            Listening::Waiting { .. } | Listening::Done => {}
         }
     }
 
@@ -411,7 +420,7 @@ impl Coverage {
     /// Decides on the next line when it is due.
     fn plan(&mut self, requests: &mut Vec<Request>) {
         let Some(place) = self.state.place else { return };
-        if matches!(self.state.listening, Listening::Silent { .. }) {
+        if self.state.listening != Listening::Done {
             return;
         }
         let flying = if self.state.queue.is_empty() {
@@ -431,10 +440,14 @@ impl Coverage {
         let next = match flying {
             Some(task) => {
                 self.count(&task);
+                self.want_range();
                 let map = self.state.lines.foreseen(&self.map, &task.line, place);
                 self.state.lines.next(&map, task.line.to, &self.config)
             }
-            None => self.state.lines.next(&self.map, place, &self.config),
+            None => {
+                self.want_range();
+                self.state.lines.next(&self.map, place, &self.config)
+            }
         };
         let way_m = self.state.way_m.unwrap_or(0.0);
         match next {
@@ -443,7 +456,6 @@ impl Coverage {
             }
             Ok((line, purpose)) => {
                 self.state.queue.push(line, purpose);
-                self.want_range();
             }
             // The present line may still see what is missing.
             Err(End::Enough | End::NoGapWorth) if flying.is_some_and(|task| task.progress < 0.9) => {}
@@ -455,16 +467,24 @@ impl Coverage {
         }
     }
 
+    /// Wants the range that fits the altitude of the last line.
     fn want_range(&mut self) {
-        let (Some(range), Some(altitude_m)) = (self.config.range, self.state.observer.altitude_m) else {
+        let Some(range) = self.config.range else { return };
+        let Some(altitude_m) = self
+            .state
+            .lines
+            .altitude_m(&self.config)
+            .or(self.state.observer.altitude_m)
+        else {
             return;
         };
         // Steps of 5 m, so that small changes of altitude change nothing.
         let wanted_m = ((range.per_altitude * altitude_m / 5.0).round() * 5.0).clamp(range.min_m, range.max_m);
-        let present_m = self.state.range.accepted().unwrap_or(self.config.range_m);
+        let present_m = self.state.range.wanted().unwrap_or(self.config.range_m);
         if (wanted_m - present_m).abs() > RANGE_STEP * present_m {
             log::info!("range {wanted_m:.0} m for an altitude of {altitude_m:.0} m");
             self.state.range.want(wanted_m);
+            self.state.lines.expect_range(wanted_m, altitude_m, &self.config);
         }
     }
 

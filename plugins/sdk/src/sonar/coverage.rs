@@ -14,11 +14,11 @@
 //! 6. [`CoverageMap::best_fill`] finds the short line that fills the most gaps for its length.
 //!
 //! # Why lines come in pairs
-//! The gap below the vehicle is about as wide as its altitude, so a survey with even spacing must look at everything
-//! twice: a line's neighbours see its gap only if the spacing is at most the swath's outer reach less the gap. [`Sweep`]
-//! lays lines in pairs instead. The second line of a pair lies where its near side sees the gap of the first one, and
-//! its own gap is within the far side of the first one. The next pair begins where the outer swaths just overlap. With
-//! the outer reach R and half the gap g, a pair advances by 3R - g, where two lines of even spacing advance by 2(R - g).
+//! A sidescan does not see the gap below the vehicle, which is about as wide as the altitude. With even spacing, the two
+//! neighbours of a line see its gap, so lines can be as far apart as the outer reach R. [`Sweep`] lays lines in pairs
+//! instead. The second line of a pair lies so that its near side sees the gap of the first one, and its own gap is
+//! within the far side of the first one. The next pair begins where the outer swaths just overlap. With half of the gap
+//! g, a pair advances by 3R - g, where two lines of even spacing advance by 2R.
 //!
 //! # Sources
 //! - H. Choset, "Coverage for robotics - A survey of recent results", *Annals of Mathematics and Artificial

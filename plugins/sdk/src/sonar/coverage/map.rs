@@ -3,7 +3,7 @@ use fixedbitset::FixedBitSet;
 use serde::{Deserialize, Serialize};
 
 use super::area::{Area, Axes, Place};
-use super::look::Strip;
+use super::look::{Band, Strip};
 
 /// The most cells of a map.
 const CELLS_MAX: usize = 1 << 18;
@@ -269,6 +269,24 @@ impl CoverageMap {
         (least < most).then(|| (self.corner((least, 0)).along_m, self.corner((most, 0)).along_m))
     }
 
+    /// How much a line sees that fewer than `times` lines have seen, square metres: the line at a distance across, between
+    /// two places along, with a band that it sees to each side.
+    #[must_use]
+    pub fn gain_m2(&self, across_m: f64, (from_m, to_m): (f64, f64), band: Band, times: u8) -> f64 {
+        let column = |along_m: f64| {
+            let column = ((along_m - self.first.along_m) / self.cell_m - 0.5).ceil();
+            column.clamp(0.0, self.columns as f64) as usize
+        };
+        let columns = column(from_m)..column(to_m).max(column(from_m));
+        let low = self.rows_between(across_m - band.outer_m, across_m - band.inner_m);
+        let high = self.rows_between(across_m + band.inner_m, across_m + band.outer_m);
+        let cells = low.chain(high).map(|row| {
+            let wanted = |column: &usize| self.is_wanted(row * self.columns + column, times);
+            columns.clone().filter(wanted).count()
+        });
+        cells.sum::<usize>() as f64 * self.cell_m * self.cell_m
+    }
+
     /// What a snapshot of it needs. [`CoverageMap::set_state`] puts it into a map of the same area and cells.
     #[must_use]
     pub fn state(&self) -> MapState {
@@ -421,7 +439,7 @@ fn crossing(corners: &[(f64, f64); 3], y: f64) -> Option<(f64, f64)> {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::look::{Band, Look};
+    use super::super::look::Look;
     use super::*;
 
     const BAND: Band = Band {
@@ -511,6 +529,9 @@ mod tests {
         );
         assert!(map.part(2) < map.part(1) && map.part(2) > 0.0);
         assert_eq!(map.segments(30.0, 2), [(-200.0, -50.0), (100.0, 200.0)]);
+        // The near side of a line beside it sees nothing new, and its far side 30 m, where the area ends.
+        assert_eq!(map.gain_m2(60.0, (-100.0, 100.0), BAND, 1), 200.0 * 30.0);
+        assert_eq!(map.gain_m2(60.0, (-100.0, -90.0), BAND, 2), 10.0 * (40.0 + 30.0));
     }
 
     #[test]

@@ -47,6 +47,15 @@ impl Sweep {
         self.frontier_m() >= self.to_m - self.leave_m
     }
 
+    /// What was not seen between two parts that were: from the frontier to where the next one begins. `None` if nothing
+    /// beyond the frontier was seen.
+    #[must_use]
+    pub fn hole_m(&self) -> Option<(f64, f64)> {
+        let frontier_m = self.frontier_m();
+        let beyond = self.seen.iter().find(|(from_m, _)| *from_m > frontier_m);
+        beyond.map(|(from_m, _)| (frontier_m, from_m.min(self.to_m)))
+    }
+
     /// A line was flown. `low` is what it has seen towards smaller distances, `high` towards greater ones.
     pub fn flown(&mut self, across_m: f64, low: Band, high: Band) {
         self.add(across_m - low.outer_m, across_m - low.inner_m);
@@ -97,8 +106,10 @@ impl Sweep {
         }
         // What is seen of the area by a single line with its own gap outside what is left.
         let left_m = beyond.map_or(self.to_m, |(from_m, _)| from_m.min(self.to_m)) - frontier_m;
-        if left_m <= near_m {
-            return Some(before_m - inner_m);
+        if left_m <= expected.width_m() {
+            // With as much overlap as there is room for.
+            let end_m = frontier_m + left_m;
+            return Some((end_m - outer_m).clamp(before_m - inner_m, frontier_m - inner_m));
         }
         // The first of a pair. The last pair is moved back, so that it ends at the edge of the area and not beyond it.
         let pair_m = 2.0 * outer_m - inner_m - overlap_m;
@@ -145,8 +156,8 @@ mod tests {
         assert_eq!(lines[..5], [60.0, 105.0, 220.0, 265.0, 380.0]);
         assert_eq!(lines.len(), 13);
         assert!(sweep.is_done());
-        // Even spacing needs one line each 45 m.
-        assert!(1000.0 / 45.0 > 22.0);
+        // With even spacing, the neighbours of a line see its gap if they are as near as they reach.
+        assert!(lines.len() < (1000.0_f64 / 60.0).ceil() as usize);
     }
 
     #[test]
@@ -159,6 +170,7 @@ mod tests {
         sweep.flown(60.0, band, band);
         sweep.flown(105.0, band, band);
         assert_eq!(sweep.frontier_m(), 165.0);
+        assert_eq!(sweep.hole_m(), None);
         assert_eq!(sweep.next(band, 5.0), Some(150.0));
         sweep.flown(150.0, band, band);
         assert_eq!((sweep.is_done(), sweep.next(band, 5.0)), (true, None));

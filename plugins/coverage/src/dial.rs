@@ -90,6 +90,11 @@ impl Dial {
         Some(value)
     }
 
+    /// The sonar may have another value by now: the wanted one is requested again.
+    pub(crate) const fn forget(&mut self) {
+        self.accepted = None;
+    }
+
     /// Compares with what is open at a restart.
     pub(crate) fn restored(&mut self, open: &[u64]) {
         if self.open.is_some_and(|(tag, _)| !open.contains(&tag)) {
@@ -127,6 +132,8 @@ mod tests {
         assert_eq!((dial.accepted(), dial.is_settled()), (Some(75.0), true));
         dial.want(75.0);
         assert_eq!(dial.ask(4, 100 * SECOND_NS), None);
+        dial.forget();
+        assert_eq!(dial.ask(4, 100 * SECOND_NS), Some(75.0));
     }
 
     #[test]

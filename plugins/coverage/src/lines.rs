@@ -43,7 +43,7 @@ impl Line {
     /// The line shortened at both ends; `None` if less than the shortest line would remain.
     pub(crate) fn shortened(&self, each_m: f64) -> Option<Self> {
         let cut_m = if self.is_forward() { each_m } else { -each_m };
-        (self.length_m() - 2.0 * each_m >= LINE_MIN_M).then(|| Self {
+        (self.length_m() - 2.0 * each_m >= LINE_MIN_M).then_some(Self {
             from: Place {
                 along_m: self.from.along_m + cut_m,
                 ..self.from

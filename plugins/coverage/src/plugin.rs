@@ -35,8 +35,8 @@ pub struct Coverage {
     frame: LocalFrame,
     map: CoverageMap,
     state: State,
-    /// The check of a request by the fence.
-    check: fn(&Request) -> Result<f64, Refusal>,
+    /// Why the fence refuses a request.
+    refusal: fn(&Request) -> Option<Refusal>,
 }
 
 /// The state that a new instance needs, beside the map.
@@ -118,7 +118,7 @@ impl Plugin for Coverage {
             frame,
             map,
             state,
-            check: fence::check,
+            refusal: |request| fence::check(request).err(),
         })
     }
 
@@ -150,8 +150,13 @@ impl Plugin for Coverage {
                     log::info!("power goes off soon: making no more requests");
                     self.state.shut_down = true;
                 }
+                // On a new connection the sonar may have its settings of the mission.
+                Event::Sonar(SonarEvent::Ready(true)) => {
+                    self.state.range.forget();
+                    self.state.power.forget();
+                }
                 Event::Sonar(
-                    SonarEvent::Ready(_)
+                    SonarEvent::Ready(false)
                     | SonarEvent::Logging(_)
                     | SonarEvent::Health(_)
                     | SonarEvent::Alarm(_)
@@ -208,10 +213,10 @@ impl Coverage {
         self.map.part(self.config.times)
     }
 
-    /// Replaces the fence by `check`, because tests on the host have no fence.
+    /// Replaces the fence by `refusal`, which says why it refuses a request, because tests on the host have no fence.
     #[must_use]
-    pub fn with_fence(mut self, check: fn(&Request) -> Result<f64, Refusal>) -> Self {
-        self.check = check;
+    pub fn with_fence(mut self, refusal: fn(&Request) -> Option<Refusal>) -> Self {
+        self.refusal = refusal;
         self
     }
 
@@ -360,8 +365,8 @@ impl Coverage {
             .queue
             .index_of(*tag)
             .map(|index| self.request(&self.state.queue.task(index).line, *tag, false));
-        let check = self.check;
-        let misfits = || fits.is_some_and(|request| check(&request).is_err_and(|refusal| is_geometry(&refusal)));
+        let refusal = self.refusal;
+        let misfits = || fits.is_some_and(|request| refusal(&request).is_some_and(|refusal| is_geometry(&refusal)));
         let turn = self.state.queue.hear(*tag, state, input.now_ns, input.control, misfits);
         self.take(turn);
     }
@@ -509,14 +514,14 @@ impl Coverage {
         let interrupt = self.config.interrupt && self.state.queue.open() == 0;
         let tag = self.state.queue.free_tag();
         let request = self.request(&line, tag, interrupt);
-        let turn = match (self.check)(&request) {
-            Ok(_) => {
+        let turn = match (self.refusal)(&request) {
+            None => {
                 self.state.queue.asked(index);
                 requests.push(request);
                 return;
             }
-            Err(refusal) if is_geometry(&refusal) => self.state.queue.misfits(index, &refusal.text, now_ns),
-            Err(refusal) => self.state.queue.refused(index, &refusal.text, now_ns),
+            Some(refusal) if is_geometry(&refusal) => self.state.queue.misfits(index, &refusal.text, now_ns),
+            Some(refusal) => self.state.queue.refused(index, &refusal.text, now_ns),
         };
         self.take(turn);
     }

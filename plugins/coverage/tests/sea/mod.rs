@@ -53,7 +53,7 @@ pub(crate) fn config() -> serde_json::Value {
 
 pub(crate) fn plugin(config: serde_json::Value) -> Coverage {
     let config: Config = serde_json::from_value(config).unwrap();
-    Coverage::new(config).unwrap().with_fence(|_| Ok(10.0))
+    Coverage::new(config).unwrap().with_fence(|_| None)
 }
 
 fn world(seed: u64, seabed: &str) -> World {

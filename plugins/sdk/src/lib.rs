@@ -105,6 +105,7 @@ pub mod log;
 mod outcome;
 mod plugin;
 mod request;
+pub mod sonar;
 
 pub use backseat_units as units;
 pub use bindings::backseat::plugin::types::{

@@ -51,13 +51,13 @@ pub use faults::{
 pub use file::{
     AcknowledgeConfig, Acknowledged, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced,
     AfterInterrupt, AfterSuspension, CancelAllScope, Choice, CompassConfig, ContourExpectation, ControlWindow,
-    DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName,
-    FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace,
-    InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionCommandConfig,
-    MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PowerConfig, Profile,
-    RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SilenceConfig, SoundConfig, SpiConfig,
-    StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig, TopsideEntry, TrackcircleLayout,
-    UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
+    CoverageExpectation, DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry,
+    FaultFile, FaultName, FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig,
+    InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation,
+    MissionCommandConfig, MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket,
+    PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SidescanName,
+    SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig,
+    TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
 };
 pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};

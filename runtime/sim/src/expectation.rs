@@ -1,5 +1,7 @@
 //! The `[expect]` section of `world.toml`, compared with the mock's true state.
 
+mod coverage;
+
 use backseat_mvc::{ContourExpectation, Expectations, MaximumExpectation, Mvc};
 use backseat_spi::ToVehicle;
 use backseat_units::EastNorth;
@@ -41,6 +43,9 @@ pub(crate) fn judge(report: &mut Report, expect: &Expectations, trace: &Trace, m
     }
     if let Some(maximum) = &expect.maximum {
         judge_maximum(report, maximum, trace, mvc);
+    }
+    if let Some(area) = &expect.coverage {
+        coverage::judge(report, area, trace, mvc.world());
     }
 }
 

@@ -1,6 +1,7 @@
 use backseat_core::plugin::{Refusal, Request, RequestState};
 use backseat_core::{Note, RequestKind};
 use backseat_mvc::{Activity, Truth};
+use backseat_plc::{Ping, SensorKind};
 use backseat_spi::{Framer, Policy, ToVehicle};
 use backseat_units::{EastNorth, Position, Timestamp};
 use serde::Serialize;
@@ -36,6 +37,23 @@ pub struct Sample {
     pub steering: Steering,
 }
 
+/// A ping of a sidescan, and where the vehicle truly was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sounding {
+    /// When.
+    pub at: Timestamp,
+    /// The sonar.
+    pub sensor: SensorKind,
+    /// Its range along the slant, metres.
+    pub range_m: f64,
+    /// In the world's frame.
+    pub local: EastNorth,
+    /// Below the surface, metres.
+    pub depth_m: f64,
+    /// Clockwise from the frame's north, degrees.
+    pub heading_deg: f64,
+}
+
 /// A request that was rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
@@ -57,6 +75,8 @@ pub struct Rejected {
 pub struct Trace {
     /// Once a second, oldest first.
     pub samples: Vec<Sample>,
+    /// A ping of each sidescan once a second, oldest first; none while it does not transmit.
+    pub soundings: Vec<Sounding>,
     /// Every insert that was sent, as it was written.
     pub inserts: Vec<ToVehicle>,
     /// The first thousand rejections.
@@ -96,6 +116,23 @@ impl Trace {
             steering,
         });
         true
+    }
+
+    /// Keeps a ping, if the last one of the same sonar that it kept is of another second.
+    pub(crate) fn sounding(&mut self, sensor: SensorKind, ping: &Ping) {
+        let second = |at: Timestamp| at.as_nanos() / 1_000_000_000;
+        let last = self.soundings.iter().rev().find(|sounding| sounding.sensor == sensor);
+        if ping.power_percent <= 0.0 || last.is_some_and(|last| second(last.at) == second(ping.time)) {
+            return;
+        }
+        self.soundings.push(Sounding {
+            at: ping.time,
+            sensor,
+            range_m: ping.range_m,
+            local: ping.pose.at,
+            depth_m: ping.pose.depth_m,
+            heading_deg: ping.pose.heading_deg,
+        });
     }
 
     /// Keeps the inserts among the complete sentences that we send.

@@ -1,5 +1,7 @@
 use serde::Deserialize;
 
+use crate::error::{MvcError, check};
+
 /// The `[expect]` section: what a run must achieve. The mock only carries it and does not judge the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -14,6 +16,8 @@ pub struct Expectations {
     pub contour: Option<ContourExpectation>,
     /// A maximum that a plugin must find.
     pub maximum: Option<MaximumExpectation>,
+    /// An area that a sidescan must see.
+    pub coverage: Option<CoverageExpectation>,
 }
 
 /// The `[expect.contour]` section: how near the vehicle's true track is to the true contour, horizontally, while a
@@ -39,4 +43,166 @@ pub struct ContourExpectation {
 pub struct MaximumExpectation {
     /// The greatest distance, metres.
     pub within_m: f64,
+}
+
+/// The `[expect.coverage]` section: which part of a rectangle a sidescan has truly seen, and by how long a way.
+///
+/// A place was seen if it was abeam of the vehicle's true track at a ping, within the sonar's range along the slant, and
+/// outside the gap below the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoverageExpectation {
+    /// The sonar.
+    #[serde(default)]
+    pub sensor: SidescanName,
+    /// The rectangle's centre, metres east of the origin.
+    pub east_m: f64,
+    /// The rectangle's centre, metres north of the origin.
+    pub north_m: f64,
+    /// The rectangle's length along `bearing_deg`, metres.
+    pub length_m: f64,
+    /// The rectangle's width across it, metres.
+    pub width_m: f64,
+    /// The direction of the length, degrees clockwise from the frame's north.
+    #[serde(default)]
+    pub bearing_deg: f64,
+    /// The side of the square cells whose middles are judged, metres.
+    #[serde(default = "default_cell_m")]
+    pub cell_m: f64,
+    /// Half of the angle straight below the vehicle in which nothing counts as seen, degrees.
+    #[serde(default = "default_nadir_deg")]
+    pub nadir_deg: f64,
+    /// While the vehicle turns faster than this, nothing counts as seen, degrees a second.
+    #[serde(default = "default_turn_max_dps")]
+    pub turn_max_dps: f64,
+    /// The least part of the rectangle that must be seen, 0 to 1.
+    #[serde(default)]
+    pub part_min: f64,
+    /// The longest way from the first to the last moment in the rectangle, metres.
+    pub way_max_m: Option<f64>,
+    /// The least part of the rectangle that must be seen for each kilometre of this way.
+    pub part_per_km_min: Option<f64>,
+}
+
+/// A sidescan of the mock payload controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SidescanName {
+    /// The low frequency.
+    SidescanLow,
+    /// The high frequency.
+    #[default]
+    SidescanHigh,
+}
+
+const fn default_cell_m() -> f64 {
+    4.0
+}
+
+/// The lower edge of a beam that is 55 degrees wide and points 30 degrees down.
+const fn default_nadir_deg() -> f64 {
+    32.5
+}
+
+const fn default_turn_max_dps() -> f64 {
+    1.5
+}
+
+impl CoverageExpectation {
+    /// Checks the ranges of all values.
+    pub(super) fn check(&self) -> Result<(), MvcError> {
+        let far = "within 50000 m";
+        for (key, value, least, most, expected) in [
+            ("expect.coverage.east_m", self.east_m, -50_000.0, 50_000.0, far),
+            ("expect.coverage.north_m", self.north_m, -50_000.0, 50_000.0, far),
+            (
+                "expect.coverage.length_m",
+                self.length_m,
+                10.0,
+                20_000.0,
+                "10 to 20000 m",
+            ),
+            ("expect.coverage.width_m", self.width_m, 10.0, 20_000.0, "10 to 20000 m"),
+            (
+                "expect.coverage.bearing_deg",
+                self.bearing_deg,
+                -360.0,
+                360.0,
+                "-360 to 360 degrees",
+            ),
+            ("expect.coverage.cell_m", self.cell_m, 1.0, 100.0, "1 to 100 m"),
+            (
+                "expect.coverage.nadir_deg",
+                self.nadir_deg,
+                0.0,
+                80.0,
+                "0 to 80 degrees",
+            ),
+            (
+                "expect.coverage.turn_max_dps",
+                self.turn_max_dps,
+                0.01,
+                90.0,
+                "0.01 to 90 degrees a second",
+            ),
+            ("expect.coverage.part_min", self.part_min, 0.0, 1.0, "0 to 1"),
+            (
+                "expect.coverage.way_max_m",
+                self.way_max_m.unwrap_or(1.0),
+                1.0,
+                1e6,
+                "1 to 1000000 m",
+            ),
+            (
+                "expect.coverage.part_per_km_min",
+                self.part_per_km_min.unwrap_or(0.0),
+                0.0,
+                1.0,
+                "0 to 1",
+            ),
+        ] {
+            check((least..=most).contains(&value), key, value, expected)?;
+        }
+        let cells = (self.length_m / self.cell_m).ceil() * (self.width_m / self.cell_m).ceil();
+        check(
+            cells <= 1e6,
+            "expect.coverage.cell_m",
+            self.cell_m,
+            "at most a million cells in the rectangle",
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coverage_expectation_has_defaults_and_ranges() {
+        let read = |more: &str| {
+            let text = format!("[coverage]\neast_m = 0\nnorth_m = 0\nlength_m = 800\nwidth_m = 600\n{more}");
+            toml::from_str::<Expectations>(&text).unwrap().coverage.unwrap()
+        };
+        let coverage = read("");
+        assert_eq!((coverage.sensor, coverage.cell_m), (SidescanName::SidescanHigh, 4.0));
+        assert!(coverage.check().is_ok());
+        let refused = |more: &str| read(more).check().unwrap_err().to_string();
+        assert_eq!(
+            refused("part_min = 1.5"),
+            "expect.coverage.part_min is 1.5, expected 0 to 1"
+        );
+        assert!(refused("cell_m = nan").starts_with("expect.coverage.cell_m is NaN"));
+        let large = CoverageExpectation {
+            length_m: 20_000.0,
+            width_m: 2000.0,
+            ..coverage
+        };
+        assert!(
+            large
+                .check()
+                .unwrap_err()
+                .to_string()
+                .contains("at most a million cells")
+        );
+    }
 }

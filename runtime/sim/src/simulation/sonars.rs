@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use backseat_core::{Input, ToSonar};
-use backseat_plc::{ClientId, FileEffect, FileFailure, FileId, Plc, Stored};
+use backseat_plc::{ClientId, FileEffect, FileFailure, FileId, Ping, Plc, SensorKind, Sonar, Stored};
 use backseat_scenario::{Scenario, Soundings, true_pose};
 use backseat_sonar::Input as ClientInput;
 use backseat_sonar_bridge::{Act, Bridge};
@@ -13,6 +13,7 @@ use backseat_world::World;
 use crate::digest::Direction;
 use crate::link::Lane;
 use crate::simulation::{SimError, Simulation};
+use crate::trace::Trace;
 
 /// Carries out what the payload controller does with its files, and says what has failed.
 pub type FileSink = Box<dyn FnMut(FileEffect) -> Result<(), (FileId, FileFailure)>>;
@@ -86,6 +87,23 @@ impl Client {
     }
 }
 
+/// Lets the sonars hear, and notes the pings of the sidescans.
+struct Witness<'a> {
+    soundings: &'a mut Soundings<World>,
+    trace: &'a mut Trace,
+}
+
+impl Sonar for Witness<'_> {
+    fn side_scan(&mut self, sensor: SensorKind, ping: &Ping, port: &mut Vec<u16>, starboard: &mut Vec<u16>) {
+        self.trace.sounding(sensor, ping);
+        self.soundings.side_scan(sensor, ping, port, starboard);
+    }
+
+    fn sub_bottom(&mut self, ping: &Ping, out: &mut Vec<[i16; 2]>) {
+        self.soundings.sub_bottom(ping, out);
+    }
+}
+
 impl Simulation {
     /// Hands the controller's files to `sink`. Without one, they are written nowhere, and no write fails.
     pub fn set_sonar_files(&mut self, sink: FileSink) {
@@ -104,7 +122,11 @@ impl Simulation {
     /// The controller's own time has come.
     pub(super) fn controller_due(&mut self) -> Result<(), SimError> {
         if let Some(controller) = &mut self.controller {
-            controller.plc.handle_timeout(self.now, &mut controller.soundings);
+            let mut witness = Witness {
+                soundings: &mut controller.soundings,
+                trace: &mut self.trace,
+            };
+            controller.plc.handle_timeout(self.now, &mut witness);
         }
         self.drain_controller()
     }

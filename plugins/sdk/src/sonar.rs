@@ -1,0 +1,3 @@
+//! Tools for plugins that look at sonar data.
+
+pub mod coverage;

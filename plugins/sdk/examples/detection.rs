@@ -46,7 +46,11 @@ fn detection() {
         let mut places = Vec::new();
         for index in 0..EACH * RANGES_M.len() {
             let range = index % RANGES_M.len();
-            let side = if (index / RANGES_M.len()).is_multiple_of(2) { 1.0 } else { -1.0 };
+            let side = if (index / RANGES_M.len()).is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
             let (east_m, north_m) = (side * RANGES_M[range], 120.0 + APART_M * index as f64);
             places.push((range, EastNorth::new(east_m, north_m)));
             let _ = write!(
@@ -88,7 +92,12 @@ fn detection() {
 
 fn spread(values: &mut [f64]) -> String {
     values.sort_by(f64::total_cmp);
-    let at = |part: f64| values.get((part * values.len() as f64) as usize).copied().unwrap_or(f64::NAN);
+    let at = |part: f64| {
+        values
+            .get((part * values.len() as f64) as usize)
+            .copied()
+            .unwrap_or(f64::NAN)
+    };
     format!("{:.2} ({:.2} to {:.2})", at(0.5), at(0.05), at(0.95))
 }
 
@@ -139,10 +148,20 @@ fn false_alarms(name: &str, world: &World, pattern: fn(EastNorth) -> f64) {
 
 fn settings() -> DetectorSettings {
     let mut settings = DetectorSettings::default();
-    if let Ok(c) = std::env::var("C") { settings.highlight_db = c.parse().unwrap(); }
-    if let Ok(c) = std::env::var("P") { settings.pings = c.parse().unwrap(); }
-    if let Ok(c) = std::env::var("H") { settings.hits = c.parse().unwrap(); }
-    if let Ok(c) = std::env::var("S") { settings.shadow_m = c.parse().unwrap(); }
-    if let Ok(c) = std::env::var("F") { settings.false_alarm = c.parse().unwrap(); }
+    if let Ok(c) = std::env::var("C") {
+        settings.highlight_db = c.parse().unwrap();
+    }
+    if let Ok(c) = std::env::var("P") {
+        settings.pings = c.parse().unwrap();
+    }
+    if let Ok(c) = std::env::var("H") {
+        settings.hits = c.parse().unwrap();
+    }
+    if let Ok(c) = std::env::var("S") {
+        settings.shadow_m = c.parse().unwrap();
+    }
+    if let Ok(c) = std::env::var("F") {
+        settings.false_alarm = c.parse().unwrap();
+    }
     settings
 }

@@ -171,9 +171,16 @@ mod tests {
         let mut chance = object.clone();
         for step in 0..360 {
             let pose = pose(f64::from(step), 30.0);
-            let hits = [hit(&pose, place, 1.2), hit(&pose, place + EastNorth::new(9.0, 0.0), 3.0)];
+            let hits = [
+                hit(&pose, place, 1.2),
+                hit(&pose, place + EastNorth::new(9.0, 0.0), 3.0),
+            ];
             object.look(&pose, &hits, 5.0, 60.0);
-            let once = if (40..44).contains(&step) { &hits[..1] } else { &hits[1..] };
+            let once = if (40..44).contains(&step) {
+                &hits[..1]
+            } else {
+                &hits[1..]
+            };
             chance.look(&pose, once, 5.0, 60.0);
         }
         let verdict = object.verdict(4);

@@ -26,7 +26,11 @@ pub fn slant_m(ground_m: f64, altitude_m: f64) -> f64 {
 #[must_use]
 pub fn shadow_height_m(altitude_m: f64, slant_m: f64, shadow_m: f64) -> f64 {
     let end_m = slant_m + shadow_m;
-    if end_m > 0.0 { altitude_m * shadow_m / end_m } else { 0.0 }
+    if end_m > 0.0 {
+        altitude_m * shadow_m / end_m
+    } else {
+        0.0
+    }
 }
 
 /// Slant range of the first return in the imagery, metres: the altitude, if the seabed below is the nearest thing. The

@@ -70,10 +70,9 @@ impl Sighted {
         self.sightings = self.sightings.saturating_add(1);
         self.score += contact.score;
         let aspect_deg = contact.aspect_deg();
-        let is_known = self
-            .views
-            .iter()
-            .any(|(deg, from)| wrap_180(deg - aspect_deg).abs() <= TURNED_DEG && from.distance_m(contact.from) <= APART_M);
+        let is_known = self.views.iter().any(|(deg, from)| {
+            wrap_180(deg - aspect_deg).abs() <= TURNED_DEG && from.distance_m(contact.from) <= APART_M
+        });
         if !is_known && self.views.len() < VIEWS_MAX {
             self.views.push((aspect_deg, contact.from));
         }

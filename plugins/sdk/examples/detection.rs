@@ -1,16 +1,19 @@
 //! How well the detector of sonar contacts works on simulated imagery: `cargo run --release -p backseat-sdk --example
-//! detection` prints the tables of `runtime/docs/sonar-tools.md`.
+//! detection` prints the tables of `runtime/docs/reinspect.md`.
 
 use std::fmt::Write as _;
 
-use backseat_sdk::sonar::{Contact, DetectorSettings};
+use backseat_sdk::sonar::DetectorSettings;
 use backseat_sdk::units::EastNorth;
 use backseat_world::World;
 
 #[path = "../tests/sea/mod.rs"]
 mod sea;
 
-use sea::{Line, PINGS_PER_HOUR, STEP_M, even, level, ripples};
+use sea::{Line, STEP_M, even, level, ripples};
+
+/// 8 a second.
+const PINGS_PER_HOUR: f64 = 8.0 * 3600.0;
 
 const HEIGHTS_M: [f64; 6] = [0.2, 0.35, 0.5, 0.8, 1.2, 2.0];
 const RANGES_M: [f64; 5] = [10.0, 20.0, 30.0, 40.0, 50.0];
@@ -20,8 +23,12 @@ const APART_M: f64 = 14.0;
 const ALTITUDE_M: f64 = 9.0;
 
 fn main() {
-    println!("{}", std::env::args().skip(1).collect::<Vec<_>>().join(" "));
-    detection();
+    println!("Objects of -10 dB:\n");
+    detection(-10.0);
+    println!("\nObjects of -30 dB:\n");
+    detection(-30.0);
+    println!();
+    println!("| seabed without objects | contacts an hour | of 0.4 m or more | of 0.7 m or more |\n|---|---|---|---|");
     for (name, world, pattern) in [
         ("plain sand", level("sand", "", 11), even as fn(EastNorth) -> f64),
         ("plain silt", level("silt", "", 12), even),
@@ -33,14 +40,14 @@ fn main() {
     }
 }
 
-/// Boxes 1.5 m long and 1 m wide at any heading, of -10 dB, in five ranges to both sides.
-fn detection() {
-    println!("probability of detection (found / shown), and the error of the height: median, 5 % and 95 %\n");
+/// Boxes 1.5 m long and 1 m wide at any heading, in five ranges to both sides: the part that is found, and the median
+/// of the height and of the error of the place, with 5 % and 95 %.
+fn detection(strength_db: f64) {
     print!("| height |");
     for range_m in RANGES_M {
         print!(" {range_m} m |");
     }
-    println!(" height found |\n|---|---|---|---|---|---|---|");
+    println!(" height found | place off by |\n|---|---|---|---|---|---|---|---|");
     for (number, height_m) in HEIGHTS_M.into_iter().enumerate() {
         let mut text = String::new();
         let mut places = Vec::new();
@@ -56,7 +63,7 @@ fn detection() {
             let _ = write!(
                 text,
                 "[[targets]]\nkind = \"box\"\neast_m = {east_m}\nnorth_m = {north_m}\nlength_m = 1.5\nwidth_m = 1\nheight_m = \
-                 {height_m}\nheading_deg = [0, 360]\nstrength_db = -10\n"
+                 {height_m}\nheading_deg = [0, 360]\nstrength_db = {strength_db}\n"
             );
         }
         let world = level("sand", &text, 21 + number as u64);
@@ -69,7 +76,7 @@ fn detection() {
             pattern: even,
             seed: 5,
         };
-        let contacts = line.contacts(settings());
+        let contacts = line.contacts(DetectorSettings::default());
         let (mut found, mut heights, mut off) = ([0; 5], Vec::new(), Vec::new());
         for (range, place) in &places {
             let nearest = contacts
@@ -86,7 +93,7 @@ fn detection() {
         for found in found {
             print!(" {:.2} |", f64::from(found) / EACH as f64);
         }
-        println!(" {} m; off by {} m |", spread(&mut heights), spread(&mut off));
+        println!(" {} m | {} m |", spread(&mut heights), spread(&mut off));
     }
 }
 
@@ -133,35 +140,8 @@ fn false_alarms(name: &str, world: &World, pattern: fn(EastNorth) -> f64) {
         pattern,
         seed: 6,
     };
-    let contacts = line.contacts(settings());
+    let contacts = line.contacts(DetectorSettings::default());
     let hours = f64::from(line.pings) / PINGS_PER_HOUR;
     let over = |height_m: f64| contacts.iter().filter(|contact| contact.height_m >= height_m).count() as f64 / hours;
-    let longest = |contact: &Contact| contact.length_m;
-    println!(
-        "{name}: {:.1} an hour, {:.1} of 0.4 m or more, {:.1} of 0.7 m or more; longest {:.1} m",
-        over(0.0),
-        over(0.4),
-        over(0.7),
-        contacts.iter().map(longest).fold(0.0, f64::max)
-    );
-}
-
-fn settings() -> DetectorSettings {
-    let mut settings = DetectorSettings::default();
-    if let Ok(c) = std::env::var("C") {
-        settings.highlight_db = c.parse().unwrap();
-    }
-    if let Ok(c) = std::env::var("P") {
-        settings.pings = c.parse().unwrap();
-    }
-    if let Ok(c) = std::env::var("H") {
-        settings.hits = c.parse().unwrap();
-    }
-    if let Ok(c) = std::env::var("S") {
-        settings.shadow_m = c.parse().unwrap();
-    }
-    if let Ok(c) = std::env::var("F") {
-        settings.false_alarm = c.parse().unwrap();
-    }
-    settings
+    println!("| {name} | {:.1} | {:.1} | {:.1} |", over(0.0), over(0.4), over(0.7));
 }

@@ -59,7 +59,7 @@ impl Default for DetectorSettings {
             shadow_max_m: 30.0,
             reference_m: 8.0,
             false_alarm: 1e-7,
-            highlight_db: 9.0,
+            highlight_db: 10.0,
             shadow_db: 3.0,
             hits: 4,
             join_m: 1.5,

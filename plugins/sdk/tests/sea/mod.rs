@@ -8,7 +8,6 @@ use backseat_world::{Stream, World};
 
 /// 1.5 m/s at 8 pings a second.
 pub(crate) const STEP_M: f64 = 0.1875;
-pub(crate) const PINGS_PER_HOUR: f64 = 8.0 * 3600.0;
 pub(crate) const RANGE_M: f64 = 60.0;
 /// A sidescan of 410 kHz with the compressed pulse of a sweep of 40 kHz.
 pub(crate) const SETTINGS: SideScanSettings = SideScanSettings {

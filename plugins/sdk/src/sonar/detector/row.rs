@@ -360,6 +360,52 @@ mod tests {
         }
     }
 
+    /// Speckle alone passes each of the two thresholds as often as the stated probability says.
+    #[test]
+    fn false_alarms_are_as_frequent_as_stated() {
+        let settings = DetectorSettings {
+            false_alarm: 1e-4,
+            highlight_db: 0.0,
+            shadow_db: 0.0,
+            ..DetectorSettings::default()
+        };
+        for looks in [3_u32, 12] {
+            let mut state = 88_172_645_463_325_252_u64;
+            let mut row = || -> Vec<f32> {
+                let mut exponential = || {
+                    state ^= state << 13;
+                    state ^= state >> 7;
+                    state ^= state << 17;
+                    -backseat_units::math::ln(((state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64) as f32
+                };
+                (0..300)
+                    .map(|_| (0..looks).map(|_| exponential()).sum::<f32>() / looks as f32)
+                    .collect()
+            };
+            let mut search = RowSearch::new(&settings, &CELLS);
+            for _ in 0..400 {
+                search.learn(&row(), 0..300);
+            }
+            let (mut high, mut low, mut all) = (0, 0, 0);
+            for _ in 0..2000 {
+                search.sum(&row());
+                for cell in 40..290 {
+                    let seabed = search.seabed(cell, 0).unwrap();
+                    let mean = |length: usize| RowSearch::mean(&search.sums, cell..cell + length) / seabed;
+                    high += u32::from(mean(search.highlight) > search.thresholds.high);
+                    low += u32::from(mean(search.shadow) < search.thresholds.low[0].1);
+                    all += 1;
+                }
+            }
+            // The root of the stated probability for each.
+            let rates = [high, low].map(|count| f64::from(count) / f64::from(all));
+            assert!(
+                rates.iter().all(|rate| (0.004..0.02).contains(rate)),
+                "{looks} looks: {rates:?}"
+            );
+        }
+    }
+
     #[test]
     fn a_shadow_that_reaches_the_end_is_cut() {
         let mut row = vec![1.0; 300];

@@ -1,14 +1,19 @@
 //! The alarms of the controller (record 11002, Table 18).
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use backseat_s7k::SensorIndex;
 use backseat_s7k::plc::Alarm;
 use backseat_s7k::record::AlarmMode;
+use backseat_units::Timestamp;
 use serde::Serialize;
 
 /// How many active alarms are kept.
 pub const ALARMS_MAX: usize = 64;
+
+/// An alarm that happens once is not reported again with the same text within this time.
+const ONCE_A: Duration = Duration::from_secs(60);
 
 /// How much of an alarm's text is kept, bytes.
 pub(crate) const ALARM_BYTES: usize = 200;
@@ -109,6 +114,8 @@ fn sensor_of(alarm: &Alarm) -> Option<SensorIndex> {
 #[derive(Debug, Default)]
 pub(crate) struct Alarms {
     active: BTreeMap<(i32, i32), AlarmState>,
+    /// When an alarm that happens once was last reported, and its text.
+    once: BTreeMap<(i32, i32), (Timestamp, Box<str>)>,
 }
 
 /// What an alarm changed.
@@ -125,7 +132,7 @@ pub(crate) enum Change {
 }
 
 impl Alarms {
-    pub(crate) fn take(&mut self, state: AlarmState) -> Change {
+    pub(crate) fn take(&mut self, now: Timestamp, state: AlarmState) -> Change {
         if state.id == 0 {
             let any = !self.active.is_empty();
             self.active.clear();
@@ -151,13 +158,26 @@ impl Alarms {
                     Change::None
                 }
             }
-            AlarmMode::Unspecified | AlarmMode::Other(_) => Change::One(state),
+            AlarmMode::Unspecified | AlarmMode::Other(_) => self.take_once(now, key, state),
         }
+    }
+
+    /// An alarm that happens once. If it happens again and again with the same text, it is reported once a minute.
+    fn take_once(&mut self, now: Timestamp, key: (i32, i32), state: AlarmState) -> Change {
+        self.once.retain(|_, (at, _)| now.since(*at) < ONCE_A);
+        if self.once.get(&key).is_some_and(|(_, text)| *text == state.text) {
+            return Change::None;
+        }
+        if self.once.len() < ALARMS_MAX {
+            self.once.insert(key, (now, state.text.clone()));
+        }
+        Change::One(state)
     }
 
     /// A new connection: the controller is asked which alarms are active.
     pub(crate) fn begin(&mut self) {
         self.active.clear();
+        self.once.clear();
     }
 
     pub(crate) fn active(&self) -> impl ExactSizeIterator<Item = &AlarmState> {
@@ -179,23 +199,29 @@ mod tests {
         let mut alarms = Alarms::default();
         let unhealthy = |mode| alarm(5, mode, "1, hot");
         assert_eq!(
-            alarms.take(unhealthy(AlarmMode::Active)),
+            alarms.take(Timestamp::ZERO, unhealthy(AlarmMode::Active)),
             Change::One(unhealthy(AlarmMode::Active))
         );
-        assert_eq!(alarms.take(unhealthy(AlarmMode::Active)), Change::None);
+        assert_eq!(alarms.take(Timestamp::ZERO, unhealthy(AlarmMode::Active)), Change::None);
         // Another sensor's alarm is another alarm.
         assert!(matches!(
-            alarms.take(alarm(5, AlarmMode::Active, "2, hot")),
+            alarms.take(Timestamp::ZERO, alarm(5, AlarmMode::Active, "2, hot")),
             Change::One(_)
         ));
         // The text of a clear alarm may differ.
         assert!(matches!(
-            alarms.take(alarm(5, AlarmMode::Clear, "1, fine")),
+            alarms.take(Timestamp::ZERO, alarm(5, AlarmMode::Clear, "1, fine")),
             Change::One(_)
         ));
-        assert_eq!(alarms.take(alarm(5, AlarmMode::Clear, "1, fine")), Change::None);
+        assert_eq!(
+            alarms.take(Timestamp::ZERO, alarm(5, AlarmMode::Clear, "1, fine")),
+            Change::None
+        );
         assert_eq!(alarms.active().len(), 1);
-        assert_eq!(alarms.take(alarm(0, AlarmMode::Unspecified, "")), Change::AllClear);
+        assert_eq!(
+            alarms.take(Timestamp::ZERO, alarm(0, AlarmMode::Unspecified, "")),
+            Change::AllClear
+        );
         assert_eq!(alarms.active().len(), 0);
     }
 
@@ -203,12 +229,26 @@ mod tests {
     fn the_table_of_alarms_has_a_bound() {
         let mut alarms = Alarms::default();
         for sensor in 0..200 {
-            alarms.take(alarm(5, AlarmMode::Active, &format!("{sensor}, hot")));
+            alarms.take(Timestamp::ZERO, alarm(5, AlarmMode::Active, &format!("{sensor}, hot")));
         }
         assert_eq!(alarms.active().len(), ALARMS_MAX);
         assert!(matches!(
-            alarms.take(alarm(5, AlarmMode::Active, "300, hot")),
+            alarms.take(Timestamp::ZERO, alarm(5, AlarmMode::Active, "300, hot")),
             Change::NoRoom(_)
         ));
+    }
+
+    #[test]
+    fn an_alarm_that_happens_again_and_again_is_reported_once_a_minute() {
+        let mut alarms = Alarms::default();
+        let lost = |text| alarm(10, AlarmMode::Unspecified, text);
+        let mut reported = 0;
+        for second in 0..180 {
+            let change = alarms.take(Timestamp::from_secs(second), lost("-1, 1, no sensor"));
+            reported += u32::from(change != Change::None);
+        }
+        assert_eq!(reported, 3);
+        let other = alarms.take(Timestamp::from_secs(180), lost("-1, 1, busy"));
+        assert_eq!(other, Change::One(lost("-1, 1, busy")));
     }
 }

@@ -11,8 +11,8 @@ mod tell;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
-use backseat_s7k::StreamReader;
-use backseat_s7k::plc::{CommandId, HealthEntry};
+use backseat_s7k::plc::{CommandId, Generic, HealthEntry};
+use backseat_s7k::{SensorIndex, StreamReader};
 use backseat_units::{Timestamp, Utc};
 
 use crate::alarm::Alarms;
@@ -21,7 +21,7 @@ use crate::config::{ConfigError, SonarConfig};
 use crate::counts::Counts;
 use crate::exchange::{Exchanges, Late};
 use crate::io::{Input, Output, Start, Ticket};
-use crate::job::Job;
+use crate::job::{Job, Unset};
 use crate::logging::Logging;
 use crate::order::{ORDERS_MAX, Order, Outcome};
 use crate::outbox::Outbox;
@@ -60,6 +60,10 @@ pub struct Sonar {
     /// What is still to be said on a new connection.
     setup: VecDeque<Job>,
     orders: VecDeque<Waiting>,
+    /// The settings of the mission that are still to be sent on this connection.
+    settings: VecDeque<Unset>,
+    /// Those that were rejected, and are tried again with the next health check.
+    rejected: VecDeque<Unset>,
     due: Due,
     alarms: Alarms,
     logging: Logging,
@@ -136,6 +140,8 @@ impl Sonar {
             exchanges: Exchanges::default(),
             setup: VecDeque::new(),
             orders: VecDeque::new(),
+            settings: VecDeque::new(),
+            rejected: VecDeque::new(),
             due: Due::default(),
             alarms: Alarms::default(),
             logging: Logging::default(),
@@ -270,13 +276,22 @@ impl Sonar {
         match order {
             Order::Shutdown => return self.shut_down(ticket),
             Order::Logging { on, .. } => self.logging.want(on),
-            Order::SwitchFile { .. } | Order::Set { .. } => {}
+            Order::SwitchFile { .. } => {}
+            Order::Set { sensor, ref setting } => self.forget_setting(sensor, setting),
         }
         self.orders.push_back(Waiting {
             ticket,
             order,
             until: self.now + ORDER_WAIT,
         });
+    }
+
+    /// An order sets what a setting of the mission has not set yet.
+    fn forget_setting(&mut self, sensor: SensorIndex, setting: &Generic) {
+        let kind = core::mem::discriminant(setting);
+        let other = |unset: &Unset| unset.sensor != sensor || core::mem::discriminant(&unset.setting) != kind;
+        self.settings.retain(other);
+        self.rejected.retain(other);
     }
 
     fn utc_set(&mut self, by_nanos: i64) {

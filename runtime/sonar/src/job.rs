@@ -6,7 +6,7 @@ use std::time::Duration;
 use backseat_s7k::SensorIndex;
 use backseat_s7k::plc::{Command, CommandId, Generic, Order as Text};
 
-use crate::config::{ShutdownKind, SonarConfig};
+use crate::config::{SensorConfig, ShutdownKind, SonarConfig};
 use crate::io::Ticket;
 use crate::logging::FileDetails;
 use crate::order::Order;
@@ -31,6 +31,8 @@ const SHUTDOWN_STEP: Duration = Duration::from_millis(1500);
 pub(crate) enum Origin {
     /// A step of every new connection.
     Setup,
+    /// A setting of the mission for a sensor, which may not have started yet.
+    Setting(Unset),
     /// An order, with the state of logging that it wants.
     Order(Ticket, Option<bool>),
     /// Logging as it was ordered before the connection was lost.
@@ -39,6 +41,15 @@ pub(crate) enum Origin {
     Routine,
     /// The end.
     Shutdown,
+}
+
+/// A setting of the mission that a sensor does not have yet.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Unset {
+    pub(crate) sensor: SensorIndex,
+    pub(crate) setting: Generic,
+    /// How often the controller has rejected it.
+    pub(crate) rejected: u32,
 }
 
 /// What a command says. The time is written when it is sent.
@@ -211,10 +222,6 @@ impl Job {
                     .map(|record| Step::subscribe(config, index, *record)),
             );
         }
-        for sensor in &config.sensor {
-            let index = SensorIndex(sensor.index);
-            steps.extend(sensor.settings().map(|(_, setting)| Step::set(config, index, &setting)));
-        }
         if let Some(sensor) = config.route_to.map(SensorIndex) {
             steps.push(Step {
                 subject: Some(sensor),
@@ -234,6 +241,25 @@ impl Job {
         steps.push(of(Command::ReportAlarms {}, None));
         steps.push(of(Command::Health {}, Some(s::HEALTH)));
         steps.into_iter().map(|step| Self::new(Origin::Setup, [step])).collect()
+    }
+
+    /// The settings of the mission for the sensors, in order.
+    pub(crate) fn settings(config: &SonarConfig) -> VecDeque<Unset> {
+        let of = |sensor: &SensorConfig| {
+            let index = SensorIndex(sensor.index);
+            let unset = move |(_, setting)| Unset {
+                sensor: index,
+                setting,
+                rejected: 0,
+            };
+            sensor.settings().map(unset).collect::<Vec<_>>()
+        };
+        config.sensor.iter().flat_map(of).collect()
+    }
+
+    pub(crate) fn setting(config: &SonarConfig, unset: Unset) -> Self {
+        let step = Step::set(config, unset.sensor, &unset.setting);
+        Self::new(Origin::Setting(unset), [step])
     }
 
     pub(crate) fn health(config: &SonarConfig) -> Self {

@@ -40,6 +40,7 @@ impl Sonar {
             self.begin(Job::shutdown(&self.config, true));
         } else {
             self.setup = Job::setup(&self.config);
+            self.settings = Job::settings(&self.config);
         }
     }
 
@@ -87,6 +88,8 @@ impl Sonar {
         self.vehicle.forget_frames();
         self.reader = StreamReader::new(self.config.frame_limit_bytes);
         self.setup.clear();
+        self.settings.clear();
+        self.rejected.clear();
         self.timers.stop(Timer::Health);
         if let Some((job, step, heard)) = self.take_exchange() {
             self.job_lost(job, &step, heard);

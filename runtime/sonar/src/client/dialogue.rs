@@ -6,10 +6,14 @@ use backseat_s7k::plc::{CalendarTime, Command, CommandId, Order as Text};
 use super::{Link, Sonar};
 use crate::event::Event;
 use crate::io::Ticket;
-use crate::job::{End, Job, Origin, Say, Step};
+use crate::job::{End, Job, Origin, Say, Step, Unset};
 use crate::logging::FileDetails;
 use crate::order::Outcome;
 use crate::timer::Timer;
+
+/// How often a setting of the mission is sent on a connection until the sensor takes it: with the usual health check,
+/// for ten minutes.
+const SETTING_ATTEMPTS: u32 = 60;
 
 impl Sonar {
     /// Says the next thing, if nothing is under way.
@@ -32,6 +36,9 @@ impl Sonar {
             if let Some(job) = self.setup.pop_front() {
                 return Some(job);
             }
+            if let Some(unset) = self.settings.pop_front() {
+                return Some(Job::setting(&self.config, unset));
+            }
             self.become_ready();
         }
         if let Some(waiting) = self.orders.pop_front() {
@@ -45,11 +52,15 @@ impl Sonar {
         if core::mem::take(&mut self.due.time_sync) {
             return Some(Job::time_sync(&self.config));
         }
+        if let Some(unset) = self.settings.pop_front() {
+            return Some(Job::setting(&self.config, unset));
+        }
         core::mem::take(&mut self.due.health).then(|| Job::health(&self.config))
     }
 
     pub(super) fn health_is_due(&mut self) {
         self.due.health = true;
+        self.settings.append(&mut self.rejected);
         self.timers.set(Timer::Health, self.now + self.config.health_period());
     }
 
@@ -183,7 +194,34 @@ impl Sonar {
                     | None => outcome_of(job, None),
                 });
             }
+            Origin::Setting(unset) => self.setting_ended(unset, job.end),
             Origin::Setup | Origin::Routine | Origin::Restore(_) => {}
+        }
+    }
+
+    /// A sensor rejects its settings until it has started, so they are tried again.
+    fn setting_ended(&mut self, unset: Unset, end: Option<End>) {
+        let Some(end) = end.filter(|end| !matches!(end, End::Accepted | End::Unconfirmed)) else {
+            return;
+        };
+        let again = end == End::Rejected && unset.rejected + 1 < SETTING_ATTEMPTS;
+        if unset.rejected == 0 || !again {
+            let then = if again {
+                "; it is tried again with each health check"
+            } else {
+                "; it is not tried again"
+            };
+            self.tell(Event::CommandFailed {
+                command: CommandId::Generic,
+                sensor: unset.sensor,
+                why: format!("{}{then}", end.words()).into_boxed_str(),
+            });
+        }
+        if again {
+            self.rejected.push_back(Unset {
+                rejected: unset.rejected + 1,
+                ..unset
+            });
         }
     }
 
@@ -201,7 +239,7 @@ impl Sonar {
             } else {
                 Outcome::Lost
             }),
-            Origin::Setup | Origin::Routine | Origin::Restore(_) | Origin::Shutdown => {}
+            Origin::Setup | Origin::Setting(_) | Origin::Routine | Origin::Restore(_) | Origin::Shutdown => {}
         }
     }
 

@@ -128,7 +128,8 @@ impl Sonar {
                 None
             }
         };
-        match self.alarms.take(AlarmState::new(id, message.header.mode, alarm, &text)) {
+        let state = AlarmState::new(id, message.header.mode, alarm, &text);
+        match self.alarms.take(self.now, state) {
             Change::None => {}
             Change::One(alarm) => self.report(Event::Alarm { alarm }),
             Change::AllClear => self.report(Event::AlarmsClear),

@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use backseat_s7k::plc::CommandId;
-use backseat_sonar::{Event, LoggingSetup, SensorConfig, SonarConfig};
+use backseat_s7k::SensorIndex;
+use backseat_s7k::plc::{CommandId, Generic};
+use backseat_sonar::{Event, LoggingSetup, Order, SensorConfig, SonarConfig, Ticket};
 use backseat_units::Timestamp;
 
 use crate::controller::Answer;
@@ -87,6 +88,31 @@ fn the_settings_of_a_sensor_are_said_before_it_pings() {
             r#"0 0 "Ping = 1""#,
         ]
     );
+}
+
+#[test]
+fn a_setting_that_is_rejected_is_said_again_with_each_health_check_until_an_order_changes_it() {
+    let mut settings = config();
+    settings.sensor[0].range_m = Some(75.0);
+    settings.sensor[0].ping = Some(true);
+    let mut trial = Trial::with(settings, Vec::new());
+    trial.controller.answer(CommandId::Generic, [Answer::Rejected; 6]);
+    trial.run_s(25.0);
+    let count = |trial: &Trial, text: &str| trial.controller.heard.iter().filter(|line| line.contains(text)).count();
+    assert_eq!((count(&trial, "Range = 75"), count(&trial, "Ping = 1")), (3, 3));
+    let failures = trial.log().iter().filter(|line| line.contains("Generic")).count();
+    assert_eq!(failures, 2, "{:?}", trial.log());
+    trial.handle(backseat_sonar::Input::Order(
+        Ticket(7),
+        Order::Set {
+            sensor: SensorIndex(0),
+            setting: Generic::Range { range_m: 50.0 },
+        },
+    ));
+    trial.run_s(30.0);
+    assert_eq!(count(&trial, "Range = 75"), 3);
+    assert_eq!(count(&trial, "Range = 50"), 1);
+    assert_eq!(count(&trial, "Ping = 1"), 4);
 }
 
 #[test]

@@ -50,14 +50,15 @@ pub use faults::{
 };
 pub use file::{
     AcknowledgeConfig, Acknowledged, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced,
-    AfterInterrupt, AfterSuspension, CancelAllScope, Choice, CompassConfig, ContourExpectation, ControlWindow,
-    CoverageExpectation, DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry,
-    FaultFile, FaultName, FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig,
-    InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation,
+    AfterInterrupt, AfterSuspension, CancelAllScope, Choice, CompassConfig, ContactsExpectation, ContourExpectation,
+    ControlWindow, CoverageExpectation, DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations,
+    FaultEntry, FaultFile, FaultName, FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig,
+    InsConfig, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation,
     MissionCommandConfig, MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket,
     PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SidescanName,
-    SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig,
-    TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
+    SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TargetKinds, TelemetryConfig,
+    TopsideConfig, TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile,
+    WrapUp,
 };
 pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};

@@ -1,5 +1,6 @@
 //! The `[expect]` section of `world.toml`, compared with the mock's true state.
 
+mod contacts;
 mod coverage;
 
 use backseat_mvc::{ContourExpectation, Expectations, MaximumExpectation, Mvc};
@@ -46,6 +47,9 @@ pub(crate) fn judge(report: &mut Report, expect: &Expectations, trace: &Trace, m
     }
     if let Some(area) = &expect.coverage {
         coverage::judge(report, area, trace, mvc.world());
+    }
+    if let Some(contacts) = &expect.contacts {
+        contacts::judge(report, contacts, trace, mvc);
     }
 }
 

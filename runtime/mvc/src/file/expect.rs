@@ -1,3 +1,4 @@
+use backseat_world::TargetKind;
 use serde::Deserialize;
 
 use crate::error::{MvcError, check};
@@ -18,6 +19,8 @@ pub struct Expectations {
     pub maximum: Option<MaximumExpectation>,
     /// An area that a sidescan must see.
     pub coverage: Option<CoverageExpectation>,
+    /// Targets on the seabed that a plugin must find.
+    pub contacts: Option<ContactsExpectation>,
 }
 
 /// The `[expect.contour]` section: how near the vehicle's true track is to the true contour, horizontally, while a
@@ -82,6 +85,74 @@ pub struct CoverageExpectation {
     pub way_max_m: Option<f64>,
     /// The least part of the rectangle that must be seen for each kilometre of this way.
     pub part_per_km_min: Option<f64>,
+}
+
+/// The `[expect.contacts]` section: around which targets trackcircles were sent, and around what else.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactsExpectation {
+    /// The kinds of targets that count.
+    pub kinds: TargetKinds,
+    /// Only targets at least this high count, metres.
+    #[serde(default)]
+    pub height_min_m: f64,
+    /// A trackcircle belongs to a target if its centre is this near to the target's middle, metres.
+    pub within_m: f64,
+    /// The least part of the targets that must have a trackcircle, 0 to 1.
+    #[serde(default)]
+    pub found_min: f64,
+    /// The most trackcircles without such a target.
+    pub false_max: Option<u32>,
+    /// From how many of eight sectors half of the targets must have been seen at least, by the true track.
+    pub aspects_min: Option<f64>,
+}
+
+/// A set of kinds of targets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(from = "Vec<TargetKind>")]
+pub struct TargetKinds(u8);
+
+impl TargetKinds {
+    /// Whether the set has a kind.
+    #[must_use]
+    pub const fn contains(self, kind: TargetKind) -> bool {
+        self.0 & (1 << kind as u8) != 0
+    }
+}
+
+impl From<Vec<TargetKind>> for TargetKinds {
+    fn from(kinds: Vec<TargetKind>) -> Self {
+        Self(kinds.into_iter().fold(0, |set, kind| set | 1 << kind as u8))
+    }
+}
+
+impl ContactsExpectation {
+    /// Checks the ranges of all values.
+    pub(super) fn check(&self) -> Result<(), MvcError> {
+        let kinds = f64::from(self.kinds.0.count_ones());
+        check(kinds >= 1.0, "expect.contacts.kinds", kinds, "at least one kind")?;
+        for (key, value, least, most, expected) in [
+            (
+                "expect.contacts.height_min_m",
+                self.height_min_m,
+                0.0,
+                100.0,
+                "0 to 100 m",
+            ),
+            ("expect.contacts.within_m", self.within_m, 0.1, 1000.0, "0.1 to 1000 m"),
+            ("expect.contacts.found_min", self.found_min, 0.0, 1.0, "0 to 1"),
+            (
+                "expect.contacts.aspects_min",
+                self.aspects_min.unwrap_or(0.0),
+                0.0,
+                8.0,
+                "0 to 8",
+            ),
+        ] {
+            check((least..=most).contains(&value), key, value, expected)?;
+        }
+        Ok(())
+    }
 }
 
 /// A sidescan of the mock payload controller.
@@ -176,6 +247,30 @@ impl CoverageExpectation {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_contacts_expectation_names_kinds_and_has_ranges() {
+        let read = |more: &str| {
+            let text = format!("[contacts]\nwithin_m = 8\n{more}");
+            toml::from_str::<Expectations>(&text).map(|expect| expect.contacts.unwrap())
+        };
+        let contacts = read("kinds = [\"box\", \"wreck\"]").unwrap();
+        assert!(contacts.kinds.contains(TargetKind::Box) && contacts.kinds.contains(TargetKind::Wreck));
+        assert!(!contacts.kinds.contains(TargetKind::Rock) && !contacts.kinds.contains(TargetKind::Point));
+        assert!(contacts.check().is_ok());
+        let refused = |more: &str| read(more).unwrap().check().unwrap_err().to_string();
+        assert_eq!(
+            refused("kinds = []"),
+            "expect.contacts.kinds is 0, expected at least one kind"
+        );
+        assert!(refused("kinds = [\"box\"]\nfound_min = 2").starts_with("expect.contacts.found_min is 2"));
+        assert!(
+            read("kinds = [\"boat\"]")
+                .unwrap_err()
+                .to_string()
+                .contains("unknown variant `boat`")
+        );
+    }
 
     #[test]
     fn a_coverage_expectation_has_defaults_and_ranges() {

@@ -181,7 +181,12 @@ fn properties() -> Result<()> {
 }
 
 fn flights() -> Result<()> {
-    for mission in ["missions/isobath", "missions/plume"] {
+    for mission in [
+        "missions/isobath",
+        "missions/plume",
+        "missions/reinspect",
+        "missions/coverage",
+    ] {
         seeds::seeds(&Seeds {
             mission: mission.into(),
             runs: 200,

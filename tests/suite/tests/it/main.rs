@@ -14,4 +14,5 @@ mod s7k;
 mod sea;
 mod sim_faults;
 mod simulation;
+mod sonar;
 mod spi;

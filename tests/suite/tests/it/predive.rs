@@ -58,7 +58,7 @@ const ON_THE_LEG: &str =
 
 #[test]
 fn missions_of_the_project_are_ready() {
-    for name in ["isobath", "plume"] {
+    for name in ["isobath", "plume", "reinspect", "coverage"] {
         let said = ready(&Mission::copy(name), &[]);
         has(&said, &["plan: its start, all", "inside the fence"]);
     }

@@ -75,5 +75,6 @@ pub use interpretation::{
     SensorStatus, VerboseAtConnect,
 };
 pub use logging::{FileEffect, FileFailure, FileId, FilePlace};
+pub use navigation::Reported;
 pub use plc::{Plc, Stored};
 pub use sonar::{Ping, Pose, Pulse, SensorKind, Sonar};

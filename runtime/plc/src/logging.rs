@@ -112,7 +112,8 @@ impl From<&io::Error> for FileFailure {
     fn from(error: &io::Error) -> Self {
         #[expect(clippy::wildcard_enum_match_arm, reason = "the standard library adds kinds")]
         match error.kind() {
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Self::Full,
+            // A file may be no longer than its file system, or a limit of the process, allows.
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => Self::Full,
             io::ErrorKind::AlreadyExists => Self::Exists,
             _ => Self::Other,
         }
@@ -172,6 +173,11 @@ impl Logger {
     /// The disk has so many bytes free.
     pub(crate) fn set_free(&self, bytes: u64) {
         self.disk.set_free(bytes);
+    }
+
+    /// A file of an earlier run.
+    pub(crate) fn keep(&self, place: FilePlace) {
+        self.disk.keep(place);
     }
 
     pub(crate) fn folder(&self) -> String {

@@ -19,8 +19,8 @@ use crate::error::PlcError;
 use crate::event::{ClientId, DropReason, PlcEvent, PlcEventKind};
 use crate::faults::{Fault, FaultKind, Timeline};
 use crate::interpretation::InterpretationConfig;
-use crate::logging::{FileEffect, FileFailure, FileId, Logger};
-use crate::navigation::Navigation;
+use crate::logging::{FileEffect, FileFailure, FileId, FilePlace, Logger};
+use crate::navigation::{Navigation, Reported};
 use crate::server::{Received, Server};
 use crate::sonar::{Pose, SensorKind};
 use crate::suite::Suite;
@@ -208,6 +208,26 @@ impl Plc {
         self.truth = Some((now, pose));
     }
 
+    /// What clients said of the vehicle; `None` before the first navigation frame that came to the vehicle's sensor. A
+    /// driver without a vehicle of its own makes the truth from it.
+    #[must_use]
+    pub fn reported(&self) -> Option<Reported> {
+        self.navigation.reported()
+    }
+
+    /// The driver's disk has a log file of an earlier run: its name is not used again.
+    pub fn keep_file(&mut self, place: FilePlace) {
+        self.logger.keep(place);
+    }
+
+    /// Shuts the controller down, as command 13 with the parameter 0 does: the log file ends, and all clients get status
+    /// 7.
+    pub fn shut_down(&mut self, now: Timestamp) {
+        if !self.is_shut_down {
+            self.begin_shutdown(now, false);
+        }
+    }
+
     /// The driver could not carry out an effect on this file.
     pub fn file_failed(&mut self, now: Timestamp, file: FileId, failure: FileFailure) {
         self.server.note(now, PlcEventKind::FileFailed(failure));
@@ -306,7 +326,7 @@ impl Plc {
             Some((_, true, Some(_))) => "the sensor does not respond",
             Some((SensorKind::Bluefin, true, None)) => match Record::read(&frame) {
                 Ok(Record::Bluefin(record)) => {
-                    self.navigation.take(&record);
+                    self.navigation.take(now, &record);
                     self.vehicle_data(now, index, &record);
                     return;
                 }

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use backseat_mvc::{Mvc, MvcError};
-use backseat_plc::{Plc, PlcConfig, PlcError, Pose, Stored};
-use backseat_units::Utc;
+use backseat_plc::{Plc, PlcConfig, PlcError, Pose, Reported, Stored};
+use backseat_units::math::wrap_360;
+use backseat_units::{EastNorth, LocalFrame, Utc};
 use backseat_world::World;
 use serde::Deserialize;
 
@@ -28,6 +29,33 @@ impl Scenario {
     pub fn controller(&self, seed: u64, utc: Utc, stored: &Stored) -> Result<Option<Plc>, PlcError> {
         let made = self.plc.as_ref().map(|plc| Plc::new(plc, seed, utc, stored));
         made.transpose()
+    }
+
+    /// Where a vehicle is of which there are only the reports of the controller's clients: what they say, and `[start]` for
+    /// what they do not say. A position further from the origin than the world's frame goes is not used.
+    #[must_use]
+    pub fn reported_pose(&self, reported: Option<&Reported>) -> Pose {
+        let start = &self.world.start;
+        let Some(frame) = self.frame() else {
+            return Pose::default();
+        };
+        let start_at = EastNorth::new(start.east_m, start.north_m);
+        let at = reported.and_then(|reported| reported.position);
+        let at = at.map(|position| frame.to_local(position));
+        let at = at.filter(|at| at.distance_m(EastNorth::default()) <= LocalFrame::RADIUS_M);
+        let at = at.unwrap_or(start_at);
+        let said = |value: fn(&Reported) -> Option<f64>| reported.and_then(value);
+        let true_heading_deg = said(|reported| reported.heading_deg).unwrap_or(start.heading_deg);
+        Pose {
+            at,
+            depth_m: said(|reported| reported.depth_m).unwrap_or(start.depth_m),
+            heading_deg: wrap_360(true_heading_deg - frame.convergence_deg(frame.to_position(at))),
+            pitch_deg: said(|reported| reported.pitch_deg).unwrap_or(0.0),
+            roll_deg: said(|reported| reported.roll_deg).unwrap_or(0.0),
+            east_mps: said(|reported| reported.east_mps).unwrap_or(0.0),
+            north_mps: said(|reported| reported.north_mps).unwrap_or(0.0),
+            down_mps: said(|reported| reported.down_mps).unwrap_or(0.0),
+        }
     }
 
     /// What the controller's sonars hear in the world of this seed, over the scenario's grid.
@@ -71,7 +99,7 @@ pub fn true_pose(vehicle: &Mvc) -> Pose {
     Pose {
         at: truth.local,
         depth_m: truth.depth_m,
-        heading_deg: truth.heading_deg - vehicle.frame().convergence_deg(truth.position),
+        heading_deg: wrap_360(truth.heading_deg - vehicle.frame().convergence_deg(truth.position)),
         pitch_deg: truth.pitch_deg,
         roll_deg: truth.roll_deg,
         east_mps: truth.east_mps,

@@ -96,8 +96,13 @@ impl Scenario {
     /// Where the vehicle begins; `None` if the origin is not a valid position.
     #[must_use]
     pub fn start(&self) -> Option<Position> {
-        let frame = LocalFrame::new(self.origin()?);
+        let frame = self.frame()?;
         Some(frame.to_position(EastNorth::new(self.world.start.east_m, self.world.start.north_m)))
+    }
+
+    /// The world's frame; `None` if the origin is not a valid position.
+    pub(crate) fn frame(&self) -> Option<LocalFrame> {
+        self.origin().map(LocalFrame::new)
     }
 
     fn origin(&self) -> Option<Position> {

@@ -75,6 +75,10 @@ impl Disk {
         inner.effects.push_back(FileEffect::Close { file });
     }
 
+    pub(super) fn keep(&self, place: FilePlace) {
+        self.inner().made.insert(place);
+    }
+
     pub(super) fn set_folder(&self, folder: String) {
         self.inner().folder = folder;
     }

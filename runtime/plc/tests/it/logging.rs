@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use backseat_plc::{FileEffect, FileFailure, LogStop, PlcEventKind};
+use backseat_plc::{FileEffect, FileFailure, FilePlace, LogStop, PlcEventKind};
 use backseat_s7k::file::{FileItem, FileReader, Index};
 use backseat_s7k::plc::{Alarm, Command, CommandId, Generic, Status};
 use backseat_s7k::record::{AlarmMode, Record};
@@ -322,4 +322,34 @@ fn a_driver_that_cannot_write_ends_logging() {
         assert_eq!(rig.alarms(A).len(), alarms);
         assert!(!details(&mut rig).0);
     }
+}
+
+#[test]
+fn the_files_of_an_earlier_run_keep_their_names() {
+    let mut rig = pinging("");
+    for name in ["20261123_140005_0000.s7k", "20261123_140005_0001.s7k", "survey.s7k"] {
+        rig.plc.keep_file(FilePlace {
+            folder: Some("D:\\data".to_owned()),
+            name: name.to_owned(),
+        });
+    }
+    rig.tell(A, Command::Logging { on: true });
+    rig.run(1.0);
+    assert_eq!(details(&mut rig).1, "D:\\data\\20261123_140005-2_0000.s7k");
+    let name = Box::from("survey");
+    rig.tell(A, Command::Switch { name });
+    assert_eq!(rig.take(A)[0], rejected(CommandId::Switch));
+}
+
+#[test]
+fn a_file_that_may_not_grow_counts_as_a_full_disk() {
+    for kind in [
+        std::io::ErrorKind::FileTooLarge,
+        std::io::ErrorKind::StorageFull,
+        std::io::ErrorKind::QuotaExceeded,
+    ] {
+        assert_eq!(FileFailure::from(&std::io::Error::from(kind)), FileFailure::Full);
+    }
+    let other = std::io::Error::from(std::io::ErrorKind::PermissionDenied);
+    assert_eq!(FileFailure::from(&other), FileFailure::Other);
 }

@@ -262,3 +262,26 @@ fn there_is_no_ping_before_the_first_pose() {
     rig.run(1.0);
     assert!(rig.sonar.pings.len() > 10);
 }
+
+#[test]
+fn a_driver_learns_what_clients_say_of_the_vehicle() {
+    let mut rig = Rig::ready("");
+    assert_eq!(rig.plc.reported(), None);
+    rig.run(1.5);
+    rig.push(A, &enclosed(&navigation_record()));
+    let reported = rig.plc.reported().unwrap();
+    assert_eq!(reported.received, rig.now);
+    let position = reported.position.unwrap();
+    assert!((position.latitude.as_deg() - 42.0).abs() < 1e-9 && (position.longitude.as_deg() + 70.0).abs() < 1e-9);
+    assert_eq!(reported.depth_m, Some(12.34));
+    for (value, expected) in [
+        (reported.heading_deg, 90.0),
+        (reported.pitch_deg, (-0.1_f64).to_degrees()),
+        (reported.roll_deg, 0.2_f64.to_degrees()),
+        (reported.north_mps, 0.0),
+        (reported.east_mps, 0.0),
+        (reported.down_mps, 0.0),
+    ] {
+        assert!((value.unwrap() - expected).abs() < 1e-5, "{reported:?}");
+    }
+}

@@ -94,3 +94,21 @@ fn without_its_key_the_controller_ends_some_time_later() {
     assert!(rig.take(A).contains(&Got::Status(Status::Shutdown {})));
     assert!(rig.plc.is_shut_down());
 }
+
+#[test]
+fn a_driver_ends_the_controller_as_a_client_does() {
+    let mut rig = Rig::ready("");
+    rig.generic(A, LOW, &Generic::Ping { on: true });
+    rig.tell(A, Command::Logging { on: true });
+    rig.run(1.0);
+    rig.take(A);
+    rig.plc.shut_down(rig.now);
+    rig.plc.shut_down(rig.now);
+    rig.drain();
+    assert_eq!(rig.take(A), [Got::Status(Status::Shutdown {})], "once");
+    assert!(rig.open_files().is_empty() && rig.has_event(&PlcEventKind::LogStopped(LogStop::ShutDown)));
+    rig.run(1.0);
+    assert!(rig.plc.is_shut_down() && rig.closed == [A]);
+    rig.plc.shut_down(rig.now);
+    assert!(rig.plc.poll_timeout().is_none());
+}

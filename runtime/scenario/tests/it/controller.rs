@@ -1,8 +1,9 @@
 //! The payload controller of `[plc]`, and what its sonars hear of the world.
 
-use backseat_plc::{Pose, SensorKind, Stored};
+use backseat_plc::{Pose, Reported, SensorKind, Stored};
 use backseat_s7k::plc::Generic;
-use backseat_units::EastNorth;
+use backseat_scenario::true_pose;
+use backseat_units::{EastNorth, Position, Timestamp};
 
 use crate::dive::{Dive, Heard, LEVEL, levels, scenario};
 
@@ -243,4 +244,55 @@ fn what_the_controller_stored_and_cannot_be_read_is_named() {
     };
     let error = scenario.controller(1, scenario.world.start.utc, &stored).unwrap_err();
     assert!(error.to_string().starts_with("6046.sav, line 1: "), "{error}");
+}
+
+#[test]
+fn a_vehicle_is_where_clients_say_and_else_at_the_start() {
+    let text = LEVEL.replace(
+        "[origin]",
+        "east_m = 100\nnorth_m = -200\ndepth_m = 6\nheading_deg = 45\n[origin]",
+    );
+    let scenario = scenario(&text).unwrap();
+    let start = scenario.reported_pose(None);
+    assert_eq!((start.at, start.depth_m), (EastNorth::new(100.0, -200.0), 6.0));
+    assert!((start.heading_deg - 45.0).abs() < 0.01 && start.north_mps == 0.0);
+    let frame = scenario.world.world_config().frame().unwrap();
+    let at = EastNorth::new(20_000.0, 3000.0);
+    let mut said = Reported {
+        received: Timestamp::ZERO,
+        position: Some(frame.to_position(at)),
+        depth_m: Some(12.5),
+        heading_deg: Some(350.0),
+        pitch_deg: Some(-3.0),
+        roll_deg: None,
+        north_mps: Some(1.0),
+        east_mps: Some(-0.5),
+        down_mps: Some(0.1),
+    };
+    let pose = scenario.reported_pose(Some(&said));
+    assert!(pose.at.distance_m(at) < 0.01, "{pose:?}");
+    // 20 km east of the origin, true north and the frame's north differ by 0.16 degrees.
+    let convergence_deg = frame.convergence_deg(frame.to_position(at));
+    assert!(convergence_deg.abs() > 0.1);
+    assert!((pose.heading_deg - (350.0 - convergence_deg)).abs() < 1e-9, "{pose:?}");
+    assert_eq!((pose.depth_m, pose.pitch_deg, pose.roll_deg), (12.5, -3.0, 0.0));
+    assert_eq!((pose.north_mps, pose.east_mps, pose.down_mps), (1.0, -0.5, 0.1));
+    said.position = Some(Position::from_deg(-42.0, 10.0).unwrap());
+    assert_eq!(scenario.reported_pose(Some(&said)).at, start.at, "off the world");
+}
+
+#[test]
+fn the_truth_of_the_mock_vehicle_is_the_controllers() {
+    let scenario = scenario(LEVEL).unwrap();
+    let mut vehicle = scenario.vehicle(1).unwrap();
+    while let Some(due) = vehicle.poll_timeout().filter(|due| due.as_secs_f64() < 20.0) {
+        vehicle.handle_timeout(due);
+        while vehicle.poll_event().is_some() {}
+    }
+    let (truth, pose) = (vehicle.truth(), true_pose(&vehicle));
+    assert_eq!((pose.at, pose.depth_m), (truth.local, truth.depth_m));
+    assert!(
+        pose.north_mps > 0.5 && pose.down_mps > 0.05 && pose.pitch_deg < -1.0,
+        "it dives to its line: {pose:?}"
+    );
 }

@@ -8,6 +8,8 @@ use crate::explain::Explain;
 use crate::log::Log;
 #[cfg(feature = "simulation")]
 use crate::mvc::Mvc;
+#[cfg(feature = "simulation")]
+use crate::plc::Plc;
 use crate::run::Run;
 use crate::s7k::S7k;
 #[cfg(feature = "simulation")]
@@ -39,6 +41,16 @@ pub(crate) enum Command {
     /// SIGTERM ends the program.
     #[cfg(feature = "simulation")]
     Mvc(Mvc),
+    /// Run only the mock payload controller with its sonars, for any 7k client
+    ///
+    /// The mock payload controller behaves like a RESON 6046 with a sidescan and a sub-bottom profiler, as [plc] of the
+    /// mission's world.toml describes it. Its sonars see the seabed and the targets of that world. The vehicle is where
+    /// clients say in records 3100; before that it stands at [start].
+    ///
+    /// Each event is a line on standard error. Ctrl-C or SIGTERM ends the program, and so does a client's shutdown
+    /// command; log files are whole then.
+    #[cfg(feature = "simulation")]
+    Plc(Plc),
     /// Check a mission before a dive: its files, fence, plugins and plan
     Check(Check),
     /// Show or judge the log of a run

@@ -7,6 +7,8 @@
 mod check;
 mod cli;
 mod clock;
+#[cfg(feature = "simulation")]
+mod events;
 mod explain;
 mod external;
 mod keeper;
@@ -16,6 +18,10 @@ mod log;
 mod mvc;
 mod operator;
 mod output;
+#[cfg(feature = "simulation")]
+mod peer;
+#[cfg(feature = "simulation")]
+mod plc;
 mod plugins;
 #[cfg(test)]
 mod real_time;
@@ -79,6 +85,8 @@ fn program() -> ExitCode {
         Command::Run(arguments) => run::run(arguments),
         #[cfg(feature = "simulation")]
         Command::Mvc(arguments) => mvc::mvc(arguments),
+        #[cfg(feature = "simulation")]
+        Command::Plc(arguments) => plc::plc(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Log(command) => log::log(command),
         Command::Spi(command) => spi::spi(command),

@@ -1,7 +1,7 @@
 //! The mock vehicle as a TCP server, for our own runtime and for any other SPI client.
 
 mod connection;
-mod log;
+pub(crate) mod log;
 mod server;
 mod status;
 
@@ -45,6 +45,14 @@ pub(crate) struct Mvc {
     /// Write every sentence in both directions and every event to this file, with the vehicle's clock
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<PathBuf>,
+    /// Also serve the mock payload controller with its sonars, for 7k clients: on this vehicle, in this world, by this
+    /// clock [default address: 127.0.0.1:7000]
+    #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:7000")]
+    pub(crate) with_plc: Option<String>,
+    /// Keep the payload controller's files in this folder: its logs, its run list, its settings. The disk of the folder
+    /// takes the place of [plc.disk] [default: files are not kept]
+    #[arg(long, value_name = "DIR", requires = "with_plc")]
+    pub(crate) plc_folder: Option<PathBuf>,
     /// End after this many seconds of the vehicle's time
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) duration: Option<f64>,
@@ -86,11 +94,12 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
         None => None,
     };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(serve(arguments, vehicle, faults, log))?;
+    runtime.block_on(serve(arguments, &scenario, vehicle, faults, log))?;
     Ok(true)
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// A duration on the command line.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (1e-3..=1e9).contains(&seconds) => Ok(seconds),
         _ => Err("expected seconds, from 0.001 to 1e9".to_owned()),

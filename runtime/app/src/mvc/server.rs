@@ -2,17 +2,20 @@ use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use backseat_mvc::{ClientId, Direction, LinkFaults};
+use backseat_scenario::{Scenario, true_pose};
 use backseat_units::Timestamp;
-use tokio::net::{TcpListener, TcpStream};
+use tokio::net::TcpStream;
 use tokio::sync::mpsc;
 
 use super::Mvc;
 use crate::clock::Clock;
-use crate::mvc::connection::{Connection, Heard};
+use crate::mvc::connection::Connection;
 use crate::mvc::log::Log;
 use crate::mvc::status::Status;
+use crate::peer::{Heard, listen};
+use crate::plc::controller::{Controller, Inbox, Message, Setup};
 use crate::speed::Speed;
 
 /// A client with more unread bytes than this is disconnected: it is too slow, and nothing else waits for it.
@@ -32,6 +35,8 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 struct Server {
     vehicle: backseat_mvc::Mvc,
+    /// The payload controller on the vehicle.
+    controller: Option<Controller>,
     faults: LinkFaults,
     clock: Clock,
     speed: Speed,
@@ -52,25 +57,33 @@ struct Server {
 /// Serves until a signal arrives or the given duration is over.
 pub(crate) async fn serve(
     arguments: &Mvc,
+    scenario: &Scenario,
     vehicle: backseat_mvc::Mvc,
     faults: LinkFaults,
     log: Option<Log>,
 ) -> Result<()> {
-    let listener = match TcpListener::bind(&arguments.listen).await {
-        Ok(listener) => listener,
-        Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => {
-            bail!(
-                "{} is in use: stop the program that listens there, or choose another address with --listen",
-                arguments.listen
-            )
-        }
-        Err(error) => return Err(error).with_context(|| format!("cannot listen on {}", arguments.listen)),
-    };
+    let listener = listen(&arguments.listen, "--listen").await?;
     let (heard_by, mut heard) = mpsc::unbounded_channel();
+    let clock = Clock::start();
+    let (controller, mut inbox) = match &arguments.with_plc {
+        Some(address) => {
+            let setup = Setup {
+                address,
+                option: "--with-plc",
+                folder: arguments.plc_folder.as_deref(),
+                seed: arguments.seed,
+                utc: scenario.world.start.utc,
+            };
+            let (controller, inbox) = Controller::start(scenario, setup, clock).await?;
+            (Some(controller), Some(inbox))
+        }
+        None => (None, None),
+    };
     let mut server = Server {
         vehicle,
+        controller,
         faults,
-        clock: Clock::start(),
+        clock,
         speed: arguments.speed,
         at: Timestamp::ZERO,
         end: arguments
@@ -109,11 +122,26 @@ pub(crate) async fn serve(
                 Err(error) => server.not_accepted(&error),
             },
             Some(what) = heard.recv() => server.hear(what),
+            message = next(&mut inbox) => server.pass(message),
             () = server.wait() => {}
         }
     }
     server.say_farewell(&mut heard).await;
-    server.finish()
+    let now = server.at;
+    let ended = match (&mut server.controller, &mut inbox) {
+        (Some(controller), Some(inbox)) => controller.end(now, inbox).await,
+        _ => Ok(()),
+    };
+    server.tell_of_controller();
+    ended.and(server.finish())
+}
+
+/// The next message for the payload controller; never without one.
+async fn next(inbox: &mut Option<Inbox>) -> Message {
+    match inbox {
+        Some(inbox) => inbox.next().await,
+        None => std::future::pending().await,
+    }
 }
 
 impl Server {
@@ -136,10 +164,11 @@ impl Server {
     /// Waits until there is something to do.
     async fn wait(&self) {
         let soon = self.clock.now() + Duration::from_millis(100);
+        let pings = self.controller.as_ref().and_then(Controller::next);
         match (self.vehicle.poll_timeout(), self.speed) {
             (Some(_), Speed::Max) if !self.held() => tokio::task::yield_now().await,
             (Some(due), Speed::Times(times)) => {
-                let due = self.arrives().map_or(due, |arrives| due.min(arrives));
+                let due = [self.arrives(), pings].into_iter().flatten().fold(due, Timestamp::min);
                 let real = Timestamp::ZERO + Duration::from_nanos(due.as_nanos()).div_f64(times);
                 tokio::time::sleep_until(self.clock.instant(real.min(soon))).await;
             }
@@ -155,7 +184,7 @@ impl Server {
             && self
                 .connections
                 .values()
-                .any(|connection| connection.waiting() > WAITING_AT_MAX_SPEED)
+                .any(|connection| connection.peer.waiting() > WAITING_AT_MAX_SPEED)
     }
 
     /// Takes all due steps, each at its own time, so that a late wake-up changes no result.
@@ -166,11 +195,20 @@ impl Server {
             if self.speed == Speed::Max {
                 self.at = self.at.max(self.end.map_or(due, |end| due.min(end)));
             }
-            if due > self.now() {
+            let now = self.now();
+            if due > now {
+                if let Some(controller) = &mut self.controller {
+                    controller.advance(now);
+                }
+                self.tell_of_controller();
                 return;
             }
             self.vehicle.handle_timeout(due);
             self.collect(due);
+            if let Some(controller) = &mut self.controller {
+                controller.truth(due, true_pose(&self.vehicle));
+            }
+            self.tell_of_controller();
             self.play_faults();
             self.flush();
             if self.clock.elapsed() >= until {
@@ -187,7 +225,7 @@ impl Server {
         match Connection::open(client, stream, self.heard.clone(), self.clock) {
             Ok(mut connection) => {
                 if self.faults.refuses(now, client, None) {
-                    connection.reset();
+                    connection.peer.reset();
                     self.tell(now, &format!("{client} is refused by a fault"));
                     return;
                 }
@@ -221,6 +259,7 @@ impl Server {
         match what {
             // The permit is dropped at the end, which allows the client's next read.
             Heard::Bytes(client, bytes, _permit) => {
+                let client = ClientId(client);
                 let connection = self.connections.get_mut(&client);
                 let passed = match connection.and_then(|connection| connection.faults.as_mut()) {
                     Some(faults) => faults.0.pass(now, &bytes),
@@ -229,14 +268,34 @@ impl Server {
                 self.receive(now, client, passed.unwrap_or_default());
             }
             Heard::Writable(client) => {
-                if let Some(connection) = self.connections.get_mut(&client) {
-                    connection.writable();
+                if let Some(connection) = self.connections.get_mut(&ClientId(client)) {
+                    connection.peer.writable();
                 }
             }
-            Heard::Gone(client) => self.close(now, client),
+            Heard::Gone(client) => self.close(now, ClientId(client)),
         }
         self.collect(now);
         self.flush();
+    }
+
+    /// Passes a message to the payload controller.
+    fn pass(&mut self, message: Message) {
+        let now = self.now();
+        if let Some(controller) = &mut self.controller {
+            controller.take(now, message);
+        }
+        self.tell_of_controller();
+    }
+
+    fn tell_of_controller(&mut self) {
+        while let Some((at, line)) = self.controller.as_mut().and_then(Controller::poll_line) {
+            let line = format!("plc: {line}");
+            let shown = format!("{:.3} s: {line}", at.as_secs_f64());
+            self.status.say(self.clock.elapsed(), &shown);
+            if let Some(log) = &mut self.log {
+                log.event(at, &line);
+            }
+        }
     }
 
     /// Handles the bytes line by line, so that the log has each answer after its command.
@@ -290,7 +349,7 @@ impl Server {
 
     fn cut(&mut self, now: Timestamp, client: ClientId) {
         if let Some(connection) = self.connections.get_mut(&client) {
-            connection.reset();
+            connection.peer.reset();
         }
         self.tell(now, &format!("{client} is cut off by a fault"));
         self.close(now, client);
@@ -338,13 +397,13 @@ impl Server {
         let max_speed = self.speed == Speed::Max;
         let mut lost = Vec::new();
         for (client, connection) in &mut self.connections {
-            if connection.waiting() == 0 {
+            if connection.peer.waiting() == 0 {
                 continue;
             }
-            if let Err(error) = connection.flush(real) {
+            if let Err(error) = connection.peer.flush(real) {
                 lost.push((*client, format!("{client} disconnected: {error}")));
-            } else if connection.waiting() > WAITING_MAX
-                || max_speed && connection.stalled.is_some_and(|since| real > since + STALL_MAX)
+            } else if connection.peer.waiting() > WAITING_MAX
+                || max_speed && connection.peer.stalled().is_some_and(|since| real > since + STALL_MAX)
             {
                 lost.push((*client, format!("{client} does not read: cut off")));
             }
@@ -380,17 +439,21 @@ impl Server {
     /// Waits for the clients to read their last bytes.
     async fn say_farewell(&mut self, heard: &mut mpsc::UnboundedReceiver<Heard>) {
         let until = self.clock.now() + FAREWELL;
-        while self.connections.values().any(|connection| connection.waiting() > 0) {
+        while self
+            .connections
+            .values()
+            .any(|connection| connection.peer.waiting() > 0)
+        {
             tokio::select! {
                 Some(what) = heard.recv() => match what {
                     Heard::Writable(client) => {
-                        if let Some(connection) = self.connections.get_mut(&client) {
-                            connection.writable();
+                        if let Some(connection) = self.connections.get_mut(&ClientId(client)) {
+                            connection.peer.writable();
                         }
                         self.flush();
                     }
                     Heard::Gone(client) => {
-                        self.connections.remove(&client);
+                        self.connections.remove(&ClientId(client));
                     }
                     // Too late for the vehicle.
                     Heard::Bytes(..) => {}

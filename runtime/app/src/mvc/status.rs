@@ -5,11 +5,11 @@ use backseat_mvc::{Activity, Behavior, ClientId, Mvc, MvcEvent, MvcEventKind};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use tracing::info;
 
+use crate::events::Events;
+
 /// How often the vehicle's state is shown, real time: on a terminal as a status line, else as a line of text.
 const REDRAW_EVERY: Duration = Duration::from_millis(250);
 const LINE_EVERY: Duration = Duration::from_secs(60);
-/// How many events a second are shown; further ones are counted.
-const EVENTS_PER_S: u32 = 20;
 
 /// What the screen shows about the vehicle.
 pub(crate) struct Status {
@@ -18,9 +18,7 @@ pub(crate) struct Status {
     next: Duration,
     behavior: Option<Behavior>,
     last_command: Option<String>,
-    second: u64,
-    shown: u32,
-    hidden: u64,
+    events: Events,
 }
 
 impl Status {
@@ -35,28 +33,17 @@ impl Status {
             next: Duration::ZERO,
             behavior: None,
             last_command: None,
-            second: 0,
-            shown: 0,
-            hidden: 0,
+            events: Events::default(),
         }
     }
 
     /// Prints a line of text.
     pub(crate) fn say(&mut self, now: Duration, text: &str) {
-        if now.as_secs() != self.second {
-            self.second = now.as_secs();
-            self.shown = 0;
-            if self.hidden > 0 {
-                let hidden = std::mem::take(&mut self.hidden);
-                self.print(&format!("{hidden} more events; the log has them all"));
-            }
-        }
-        self.shown += 1;
-        if self.shown > EVENTS_PER_S {
-            self.hidden += 1;
-        } else {
-            self.print(text);
-        }
+        let bar = self.bar.as_ref();
+        self.events.show(now, text, |text| match bar {
+            Some(bar) => bar.suspend(|| info!("{text}")),
+            None => info!("{text}"),
+        });
     }
 
     pub(crate) fn event(&mut self, now: Duration, event: &MvcEvent) {
@@ -133,13 +120,6 @@ impl Status {
     fn behavior(&self, how: &str) -> String {
         self.behavior
             .map_or_else(String::new, |behavior| format!(", {behavior}{how}"))
-    }
-
-    fn print(&self, text: &str) {
-        match &self.bar {
-            Some(bar) => bar.suspend(|| info!("{text}")),
-            None => info!("{text}"),
-        }
     }
 }
 

@@ -7,7 +7,7 @@ use backseat_test_support::workspace;
 fn help_names_every_command_and_what_it_does() {
     let help = Backseat::new().arg("--help").run().exit(0);
     assert_eq!(help.stderr, "");
-    for command in ["sim", "run", "mvc", "check", "log", "spi", "s7k", "explain"] {
+    for command in ["sim", "run", "mvc", "plc", "check", "log", "spi", "s7k", "explain"] {
         assert!(
             help.stdout.lines().any(|line| line.trim_start().starts_with(command)),
             "{command}: {help}"
@@ -36,8 +36,11 @@ fn every_command_explains_its_flags() {
                 "--seed",
                 "--log",
                 "--duration",
+                "--with-plc",
+                "--plc-folder",
             ],
         ),
+        ("plc", &["--listen", "--folder", "--seed", "--log", "--duration"]),
         ("check", &["--resolved", "--set"]),
     ] {
         let help = Backseat::new().args([command, "--help"]).run().exit(0);

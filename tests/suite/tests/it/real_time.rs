@@ -11,6 +11,7 @@ mod judge;
 mod mvc;
 mod operator;
 mod pages;
+mod plc;
 mod sea;
 mod service;
 mod session;

@@ -78,13 +78,13 @@ pub struct CoverageExpectation {
     /// While the vehicle turns faster than this, nothing counts as seen, degrees a second.
     #[serde(default = "default_turn_max_dps")]
     pub turn_max_dps: f64,
-    /// The least part of the rectangle that must be seen, 0 to 1.
+    /// How much of the rectangle must be seen at least, percent.
     #[serde(default)]
-    pub part_min: f64,
+    pub seen_min_percent: f64,
     /// The longest way from the first to the last moment in the rectangle, metres.
     pub way_max_m: Option<f64>,
-    /// The least part of the rectangle that must be seen for each kilometre of this way.
-    pub part_per_km_min: Option<f64>,
+    /// How much of the rectangle must be seen at least for each kilometre of this way, percent.
+    pub per_km_min_percent: Option<f64>,
 }
 
 /// The `[expect.contacts]` section: around which targets trackcircles were sent, and around what else.
@@ -216,7 +216,13 @@ impl CoverageExpectation {
                 90.0,
                 "0.01 to 90 degrees a second",
             ),
-            ("expect.coverage.part_min", self.part_min, 0.0, 1.0, "0 to 1"),
+            (
+                "expect.coverage.seen_min_percent",
+                self.seen_min_percent,
+                0.0,
+                100.0,
+                "0 to 100 percent",
+            ),
             (
                 "expect.coverage.way_max_m",
                 self.way_max_m.unwrap_or(1.0),
@@ -225,11 +231,11 @@ impl CoverageExpectation {
                 "1 to 1000000 m",
             ),
             (
-                "expect.coverage.part_per_km_min",
-                self.part_per_km_min.unwrap_or(0.0),
+                "expect.coverage.per_km_min_percent",
+                self.per_km_min_percent.unwrap_or(0.0),
                 0.0,
-                1.0,
-                "0 to 1",
+                100.0,
+                "0 to 100 percent",
             ),
         ] {
             check((least..=most).contains(&value), key, value, expected)?;
@@ -283,8 +289,8 @@ mod tests {
         assert!(coverage.check().is_ok());
         let refused = |more: &str| read(more).check().unwrap_err().to_string();
         assert_eq!(
-            refused("part_min = 1.5"),
-            "expect.coverage.part_min is 1.5, expected 0 to 1"
+            refused("seen_min_percent = 101"),
+            "expect.coverage.seen_min_percent is 101, expected 0 to 100 percent"
         );
         assert!(refused("cell_m = nan").starts_with("expect.coverage.cell_m is NaN"));
         let large = CoverageExpectation {

@@ -17,6 +17,10 @@ pub struct Config {
     /// And if it is at most this long along and across the track, metres, 0.5 to 200.
     #[serde(default = "default::length_max_m")]
     pub length_max_m: f64,
+    /// And if it is at most this many times as high as it is long, 0.5 to 100: a stone in front of a dark patch looks high
+    /// and short.
+    #[serde(default = "default::slender_max")]
+    pub slender_max: f64,
     /// The radii of a circle in the order in which they are tried, metres, 8 to 200 each, 1 to 8 of them. The object is at
     /// this ground range during the circle.
     pub radii_m: Vec<f64>,
@@ -60,6 +64,9 @@ mod default {
     }
     pub(super) const fn length_max_m() -> f64 {
         40.0
+    }
+    pub(super) const fn slender_max() -> f64 {
+        2.0
     }
     pub(super) const fn orbits() -> f64 {
         1.0
@@ -115,6 +122,7 @@ impl Config {
         let expected = "height_min_m to 100 m";
         within("height_max_m", self.height_max_m, self.height_min_m, 100.0, expected)?;
         within("length_max_m", self.length_max_m, 0.5, 200.0, "0.5 to 200 m")?;
+        within("slender_max", self.slender_max, 0.5, 100.0, "0.5 to 100")?;
         within("radii_m", self.radii_m.len() as f64, 1.0, 8.0, "1 to 8 radii")?;
         for radius_m in &self.radii_m {
             within("radii_m", *radius_m, 8.0, 200.0, "8 to 200 m")?;
@@ -143,11 +151,13 @@ impl Config {
         }
     }
 
-    /// Whether an object is worth a circle, by its height and its size.
+    /// Whether an object is worth a circle, by its height, its size and its shape.
     #[must_use]
     pub fn wants(&self, object: &Sighted) -> bool {
+        let length_m = object.length_m.max(object.highlight_m);
         (self.height_min_m..=self.height_max_m).contains(&object.height_m)
-            && object.length_m.max(object.highlight_m) <= self.length_max_m
+            && length_m <= self.length_max_m
+            && object.height_m <= self.slender_max * length_m
     }
 }
 
@@ -162,6 +172,37 @@ mod tests {
         let config: Config = serde_json::from_str(&text).map_err(|error| error.to_string())?;
         config.validate().map_err(|error| error.to_string())?;
         Ok(config)
+    }
+
+    #[test]
+    fn an_object_is_wanted_for_its_height_its_length_and_its_shape() {
+        use backseat_sdk::sonar::{Contact, Side, Sightings};
+        use backseat_sdk::units::EastNorth;
+        let wants = |height_m, length_m, highlight_m| {
+            let mut sightings = Sightings::new(4.0, 1);
+            let object = sightings.add(&Contact {
+                side: Side::Port,
+                at: EastNorth::default(),
+                latitude_deg: 42.0,
+                longitude_deg: -70.0,
+                from: EastNorth::new(30.0, 0.0),
+                ground_m: 30.0,
+                slant_m: 31.0,
+                highlight_m,
+                shadow_m: 3.0,
+                height_m,
+                cut: false,
+                length_m,
+                pings: 10,
+                score: 30.0,
+            });
+            config("").unwrap().wants(object.unwrap())
+        };
+        assert!(wants(1.0, 1.5, 0.5) && wants(1.0, 0.3, 0.6));
+        assert!(!wants(0.5, 1.5, 0.5), "too low");
+        assert!(!wants(21.0, 30.0, 5.0), "too high");
+        assert!(!wants(3.0, 41.0, 5.0), "too long");
+        assert!(!wants(3.0, 0.6, 0.6), "a stone in front of a dark patch");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The mock payload controller as a TCP server, for our own runtime and for any other 7k client.
 
 pub(crate) mod controller;
-mod disk;
+pub(crate) mod disk;
 
 use std::path::PathBuf;
 use std::time::Duration;

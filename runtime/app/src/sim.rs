@@ -1,8 +1,9 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use backseat_mission::Mission;
+use backseat_plc::FileFailure;
 use backseat_plugin_host::Host;
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder};
@@ -11,11 +12,12 @@ use backseat_sim::{Report, Simulation, survey_map};
 use backseat_units::Timestamp;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use tracing::info;
+use tracing::{info, warn};
 
 use crate::cli::MissionArguments;
 use crate::clock::{Clock, pause};
 use crate::output::say;
+use crate::plc::disk::{Files, Folder, file_of};
 use crate::speed::Speed;
 
 #[derive(Debug, Args)]
@@ -34,6 +36,9 @@ pub(crate) struct Sim {
     /// Draw a map of the run into this file
     #[arg(long, value_name = "FILE.svg")]
     pub(crate) map: Option<PathBuf>,
+    /// Keep the files of the sonars' payload controller in this folder: its logs, and its run list
+    #[arg(long, value_name = "DIR")]
+    pub(crate) s7k: Option<PathBuf>,
     /// Run this many times faster than real time, or `max`
     #[arg(long, default_value = "max", value_name = "X|max")]
     pub(crate) speed: Speed,
@@ -85,6 +90,9 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     if let Some(plan) = faults {
         simulation.set_faults(plan);
     }
+    if let Some(folder) = &arguments.s7k {
+        keep_files(&mut simulation, &scenario, folder)?;
+    }
     let progress = progress_bar(arguments.json);
     match arguments.speed {
         Speed::Max => simulation.run(|simulation| show(&progress, simulation, &flying))?,
@@ -105,6 +113,25 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         print_report(&report, arguments)?;
     }
     Ok(report.passed())
+}
+
+/// Has the payload controller's files written into a folder.
+fn keep_files(simulation: &mut Simulation, scenario: &Scenario, folder: &Path) -> Result<()> {
+    let Some(plc) = &scenario.plc else {
+        bail!(
+            "{}: no [plc]: there is no payload controller whose files could be kept",
+            scenario.path.display()
+        );
+    };
+    let mut files = Files::new(Folder::open(folder, &plc.logging.folder)?);
+    simulation.set_sonar_files(Box::new(move |effect| {
+        let file = file_of(&effect);
+        files.carry_out(effect).map_err(|(error, path)| {
+            warn!("{}: {error}", path.display());
+            (file, FileFailure::from(&error))
+        })
+    }));
+    Ok(())
 }
 
 /// Runs no faster than a multiple of real time.

@@ -16,6 +16,7 @@ use backseat_plc::{FileEffect, FileFailure, FileId};
 use tokio::sync::mpsc::UnboundedSender;
 
 pub(crate) use folder::Folder;
+pub(crate) use writer::Files;
 use writer::Writer;
 
 /// How many bytes may wait to be written. With all sonars pinging, the controller logs about 0.3 MB a second.
@@ -97,7 +98,7 @@ impl Disk {
     }
 }
 
-const fn file_of(effect: &FileEffect) -> FileId {
+pub(crate) const fn file_of(effect: &FileEffect) -> FileId {
     match effect {
         FileEffect::Open { file, .. }
         | FileEffect::Append { file, .. }

@@ -16,5 +16,6 @@ mod sea;
 mod service;
 mod session;
 mod silence;
+mod sonar;
 mod stall;
 mod stuck;

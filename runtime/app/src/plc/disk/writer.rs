@@ -20,10 +20,15 @@ const NEW: &str = ".new";
 
 /// The thread's side.
 pub(super) struct Writer {
-    folder: Folder,
-    open: BTreeMap<FileId, OpenFile>,
+    files: Files,
     waiting: Arc<AtomicUsize>,
     reports: UnboundedSender<Report>,
+}
+
+/// The controller's files in a folder.
+pub(crate) struct Files {
+    folder: Folder,
+    open: BTreeMap<FileId, OpenFile>,
 }
 
 struct OpenFile {
@@ -39,8 +44,7 @@ struct OpenFile {
 impl Writer {
     pub(super) fn new(folder: Folder, waiting: Arc<AtomicUsize>, reports: UnboundedSender<Report>) -> Self {
         Self {
-            folder,
-            open: BTreeMap::new(),
+            files: Files::new(folder),
             waiting,
             reports,
         }
@@ -54,7 +58,7 @@ impl Writer {
             match jobs.recv_timeout(MEASURE_EVERY) {
                 Ok(Job::Effect(effect)) => {
                     let (file, size) = (file_of(&effect), size_of(&effect));
-                    if let Err((error, path)) = self.carry_out(effect) {
+                    if let Err((error, path)) = self.files.carry_out(effect) {
                         let text = format!("{}: {error}", path.display());
                         // The controller has ended if nothing receives this.
                         let _gone = self.reports.send(Report::Failed(file, FileFailure::from(&error), text));
@@ -62,7 +66,7 @@ impl Writer {
                     self.waiting.fetch_sub(size, Ordering::Relaxed);
                 }
                 Ok(Job::End(done)) => {
-                    self.open.clear();
+                    self.files.open.clear();
                     // Whoever asked may have given up.
                     let _late = done.send(());
                     return;
@@ -72,15 +76,28 @@ impl Writer {
             }
             if clock.elapsed() >= measure_at {
                 measure_at = clock.elapsed() + MEASURE_EVERY;
-                if let Ok((_, free)) = self.folder.space() {
+                if let Ok((_, free)) = self.files.folder.space() {
                     let waiting = self.waiting.load(Ordering::Relaxed) as u64;
                     let _gone = self.reports.send(Report::Free(free.saturating_sub(waiting)));
                 }
             }
         }
     }
+}
 
-    fn carry_out(&mut self, effect: FileEffect) -> Result<(), (io::Error, PathBuf)> {
+impl Files {
+    pub(crate) const fn new(folder: Folder) -> Self {
+        Self {
+            folder,
+            open: BTreeMap::new(),
+        }
+    }
+
+    /// Carries an effect out. Once one has failed, the rest of its file is left out.
+    ///
+    /// # Errors
+    /// What failed, and with which file.
+    pub(crate) fn carry_out(&mut self, effect: FileEffect) -> Result<(), (io::Error, PathBuf)> {
         match effect {
             FileEffect::Open { file, place, replace } => {
                 let path = self.folder.path(&place);

@@ -11,7 +11,7 @@ use super::session::{SOON, runtime};
 
 /// The steady mission with a sidescan that pings ten times a second, and a vehicle that says when to log.
 fn mission(address: &str) -> Mission {
-    let (host, port) = address.rsplit_once(':').unwrap();
+    let (host, port) = address.rsplit_once(':').expect("an address has a port");
     Mission::steady()
         .edit(
             "world.toml",
@@ -79,8 +79,8 @@ fn status_says(vehicle: &Vehicle, text: &str) {
 
 fn logs(mission: &Mission, folder: &str) -> Vec<PathBuf> {
     let mut logs: Vec<PathBuf> = fs::read_dir(mission.beside(folder))
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
+        .expect("the controller has made its folder")
+        .map(|entry| entry.expect("the folder can be listed").path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "s7k"))
         .collect();
     logs.sort();

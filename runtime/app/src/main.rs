@@ -9,6 +9,7 @@ mod cli;
 mod clock;
 mod explain;
 mod external;
+mod helm;
 mod keeper;
 mod link;
 mod log;
@@ -16,6 +17,7 @@ mod log;
 mod mvc;
 mod operator;
 mod output;
+mod owner;
 mod plugins;
 #[cfg(test)]
 mod real_time;
@@ -30,6 +32,8 @@ mod sonar;
 mod speed;
 mod spi;
 mod state;
+#[cfg(feature = "simulation")]
+mod surroundings;
 mod terminal;
 
 use std::io::IsTerminal;

@@ -57,13 +57,21 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         return Ok(true);
     }
     let front_seat = front_seat(&mission, arguments.plan.as_deref())?;
-    say!("{} (hash {})", mission.name, &mission.hash()[..16]);
+    say!("{} (hash of its files: {})", mission.name, &mission.hash()[..16]);
     print_fence(&mission)?;
     let host = Host::new()?;
     let clock = Clock::start();
     let begun = clock.now();
-    let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
-    for ((setup, table), (_, bytes)) in loaded.setups.iter().zip(&mission.file.plugins).zip(&loaded.components) {
+    let mut findings = Vec::new();
+    // Without its plugins a mission cannot be flown, but its plan and its fence can be checked.
+    let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())
+        .map_err(|error| findings.push(error.to_string()))
+        .ok();
+    let components = loaded
+        .iter()
+        .flat_map(|loaded| loaded.setups.iter().zip(&loaded.components));
+    for ((setup, (_, bytes)), table) in components.zip(&mission.file.plugins) {
+        let grants: Vec<&str> = table.grants.iter().map(|grant| grant.name()).collect();
         let description = &setup.description;
         let topics: Vec<&str> = description
             .topics
@@ -96,7 +104,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             })
             .collect();
         say!(
-            "plugin {}: {} {}, {} kB, a step every {} ms, listens to {}; granted {:?}",
+            "plugin {}: {} {}, {} kB, a step every {} ms, listens to {}; grants: {}",
             setup.name,
             description.name,
             description.version,
@@ -107,10 +115,14 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             } else {
                 topics.join(", ")
             },
-            table.grants,
+            if grants.is_empty() {
+                "none".to_owned()
+            } else {
+                grants.join(", ")
+            },
         );
     }
-    if !loaded.setups.is_empty() {
+    if loaded.is_some_and(|loaded| !loaded.setups.is_empty()) {
         say!(
             "compiled in {:.1} s; limits for one component: {} MiB, {} s to compile",
             clock.now().since(begun).as_secs_f64(),
@@ -127,7 +139,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         good = false;
     }
     for policy in &mission.file.policies {
-        say!("policy: when {:?}: {:?}", policy.when, policy.order);
+        say!("policy: when {}: {}", policy.when, policy.order);
     }
     for source in &mission.file.externals {
         let sends: Vec<&str> = source.sends.iter().map(|sentence| sentence.letters()).collect();
@@ -138,14 +150,14 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             source.listen
         );
     }
-    let mut findings = front_seat.findings(&mission, arguments.at, clock.utc_at_start())?;
+    findings.extend(front_seat.findings(&mission, arguments.at, clock.utc_at_start())?);
     if let Err(error) = host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address") {
         findings.push(error.to_string());
     }
     match State::folder_of(arguments.state.as_deref(), &mission) {
         Ok(state) => {
             let now = clock.utc_at_start();
-            findings.extend(machine::findings(&mission, &arguments.log, &state, now));
+            findings.extend(machine::findings(&mission, &arguments.log, &state, now)?);
             findings.extend(machine::kept(&mission, &state)?);
         }
         Err(error) => findings.push(format!("state: {error:#}")),
@@ -167,7 +179,6 @@ fn print_fence(mission: &Mission) -> Result<()> {
         origin.longitude.as_deg()
     );
     for zone in mission.envelope.fence().zones() {
-        let vertices: usize = zone.rings().map(|ring| ring.points.len()).sum();
         let what = match zone.kind() {
             Kind::KeepIn {
                 depth,
@@ -185,7 +196,7 @@ fn print_fence(mission: &Mission) -> Result<()> {
             Kind::KeepOut { depth: Some(band) } => format!("keep-out from {} to {} m", band.min_m, band.max_m),
         };
         say!(
-            "  {}: {what}, margin {} m, {vertices} vertices{}",
+            "  {}: {what}, margin {} m{}",
             zone.name(),
             zone.margin_m(),
             if zone.window() == Window::default() {

@@ -1,8 +1,10 @@
 //! `backseat log`: tools for the log of a run.
 
+mod files;
 mod info;
 #[cfg(feature = "simulation")]
 mod judge;
+mod show;
 
 use std::path::Path;
 
@@ -14,11 +16,16 @@ use clap::Subcommand;
 pub(crate) enum Log {
     /// Show a log's mission, times, counts, attachments and gaps
     Info(info::LogInfo),
+    /// Print what happened in a run, line by line with its time
+    ///
+    /// The lines are those that `run` prints, and every state of every request. Times are seconds since the start of
+    /// the run.
+    Show(show::LogShow),
     /// Judge a recorded run by the safety requirements, as simulations are judged
     ///
     /// The oracle that judges simulations reads the link's bytes from the log, and the mission's limits and the fence
-    /// that are attached to it. It prints one line for each rule: whether the rule held and how many times it applied,
-    /// or why it could not be judged.
+    /// that are attached to it. It prints one line for each rule that it could judge: whether the rule held and how
+    /// many times it applied. With --all it also prints why it could not judge the others.
     ///
     /// The word in front of each result says what the rule looks at: `sent`, our sentences alone; `heard`, our
     /// sentences after what the runtime had read from the vehicle; `operator`, our sentences after what the operator
@@ -28,7 +35,7 @@ pub(crate) enum Log {
     /// Records are missing where the disk was too slow. After such a gap nothing is judged that depends on earlier
     /// records, until the log states it again.
     ///
-    /// Exit code: 0 if no rule was broken, 1 if one was, 2 if the file cannot be judged.
+    /// Exit code: 0 if no rule was broken, 1 if one was, 2 if a file cannot be judged.
     #[cfg(feature = "simulation")]
     Judge(judge::LogJudge),
 }
@@ -36,10 +43,14 @@ pub(crate) enum Log {
 pub(crate) fn log(command: &Log) -> Result<bool> {
     match command {
         Log::Info(arguments) => info::info(arguments),
+        Log::Show(arguments) => show::show(arguments),
         #[cfg(feature = "simulation")]
         Log::Judge(arguments) => judge::judge(arguments),
     }
 }
+
+#[cfg(feature = "simulation")]
+pub(crate) use show::plugin_lines;
 
 fn read_log(path: &Path) -> Result<backseat_recorder::Log> {
     read(path).context("expected the log of a run, written by `run` or `sim --log`")

@@ -11,6 +11,7 @@ mod clock;
 mod events;
 mod explain;
 mod external;
+mod helm;
 mod keeper;
 mod link;
 mod log;
@@ -18,6 +19,7 @@ mod log;
 mod mvc;
 mod operator;
 mod output;
+mod owner;
 #[cfg(feature = "simulation")]
 mod peer;
 #[cfg(feature = "simulation")]
@@ -36,6 +38,8 @@ mod sonar;
 mod speed;
 mod spi;
 mod state;
+#[cfg(feature = "simulation")]
+mod surroundings;
 mod terminal;
 
 use std::io::IsTerminal;

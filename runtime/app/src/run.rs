@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::pin::Pin;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use backseat_core::plugin::Rule;
+use backseat_core::refusal::Uncontrolled;
 use backseat_core::{Core, Grant, Input, Note, Operator, Output, Start};
 use backseat_mission::Mission;
 use backseat_plugin_host::Host;
@@ -21,9 +22,11 @@ use tracing::{error, info, warn};
 use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::external::{Heard, Ports};
+use crate::helm::Helm;
 use crate::keeper::{Keeper, Kept};
 use crate::link::{Link, Ready, connect};
 use crate::operator::Signals;
+use crate::owner::explained;
 use crate::plugins::{Answer, Crew};
 use crate::recording::{Queue, Recording};
 use crate::service::{Service, Slips};
@@ -61,6 +64,8 @@ const FLUSH_EVERY: Duration = Duration::from_secs(2);
 const UTC_STEP_MIN: Duration = Duration::from_millis(500);
 /// A state folder that has not answered for this long is reported as stuck.
 const STATE_WITHIN: Duration = Duration::from_secs(2);
+/// Clocks that are further apart are worth a warning: zones with a time window are then closed (`monitor::envelope`).
+const CLOCKS_APART_S: f64 = 60.0;
 /// How long the last BPEMB may take to leave when the run ends.
 const FAREWELL: Duration = Duration::from_millis(300);
 
@@ -151,7 +156,7 @@ pub(crate) fn host_and_port(address: &str, place: &str) -> Result<String> {
 }
 
 fn open_log(folder: &Path, mission: &Mission, components: &[(String, Vec<u8>)], clock: &Clock) -> Result<Recording> {
-    std::fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
+    std::fs::create_dir_all(folder).map_err(|error| explained(folder, error))?;
     let path = folder.join(format!(
         "{}-{}.mcap",
         mission.name,
@@ -223,6 +228,7 @@ pub(crate) struct Driver {
     utc_set_nanos: i64,
     /// The plugins' names, for messages.
     names: Vec<String>,
+    helm: Helm,
 }
 
 impl Driver {
@@ -258,6 +264,7 @@ impl Driver {
             recorded_navigation: None,
             utc_set_nanos: 0,
             names,
+            helm: Helm::default(),
         }
     }
 
@@ -445,6 +452,9 @@ impl Driver {
     fn carry_out(&mut self, now: Timestamp, output: Output) {
         match output {
             Output::Send(bytes) => {
+                if let Some(line) = self.helm.sent(now, &bytes) {
+                    info!("{line}");
+                }
                 if let Err(error) = self.link.send(self.judged, self.clock.now(), &bytes) {
                     self.link_lost = Some(format!("the connection failed: {error}"));
                     self.reset = self.link.is_open();
@@ -475,6 +485,7 @@ impl Driver {
     }
 
     fn tell(&mut self, note: &Note) {
+        self.helm.noted(note);
         let told = note.describe(&self.names);
         match note {
             Note::LinkDown { retry_s, .. } => match self.link_lost.take() {
@@ -484,6 +495,10 @@ impl Driver {
             Note::PluginFailed { .. } | Note::Recovery { .. } | Note::Late { .. } | Note::Malformed { .. } => {
                 warn!("{told}");
             }
+            Note::Clock { offset_s, .. } if offset_s.abs() >= CLOCKS_APART_S => {
+                warn!("{told}: set the clock of this computer");
+            }
+            Note::Clock { .. } => info!("{told}"),
             Note::Request(transition) => {
                 use backseat_core::plugin::{EndKind, RequestState};
                 match &transition.state {
@@ -509,7 +524,6 @@ impl Driver {
             }
             Note::LinkUp
             | Note::VehicleVersion { .. }
-            | Note::Clock { .. }
             | Note::Mission { .. }
             | Note::Control { .. }
             | Note::LeaseEnded { .. }
@@ -518,9 +532,15 @@ impl Driver {
             | Note::Navigation { .. }
             | Note::PluginRestarted { .. }
             | Note::PluginLog { .. }
-            | Note::Sonar { .. }
-            | Note::Operator { .. }
-            | Note::Text { .. } => info!("{told}"),
+            | Note::Sonar { .. } => info!("{told}"),
+            Note::Operator { act } => match act {
+                Operator::Hold => info!("operator: hold"),
+                Operator::Release => info!("operator: release"),
+                Operator::Stop => info!("operator: stop"),
+                Operator::Order(order) => info!("operator: {order}"),
+            },
+            Note::Text { text } if text.starts_with(Uncontrolled::PlanDiffers.text()) => warn!("{told}"),
+            Note::Text { .. } => info!("{told}"),
         }
     }
 

@@ -6,19 +6,22 @@ use backseat_mission::Mission;
 use backseat_plc::FileFailure;
 use backseat_plugin_host::Host;
 use backseat_plugin_loader::load_plugins;
-use backseat_recorder::{Header, Rate, Recorder};
+use backseat_recorder::{Header, Rate, Recorder, read};
 use backseat_scenario::{Scenario, read_faults};
 use backseat_sim::{Report, Simulation, survey_map};
 use backseat_units::Timestamp;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use tracing::{info, warn};
+use tracing::{Level, enabled, info, warn};
 
 use crate::cli::MissionArguments;
 use crate::clock::{Clock, pause};
+use crate::log::plugin_lines;
 use crate::output::say;
 use crate::plc::disk::{Files, Folder, file_of};
 use crate::speed::Speed;
+use crate::surroundings::{beyond_limits, beyond_vehicle};
+use crate::terminal::tell;
 
 #[derive(Debug, Args)]
 pub(crate) struct Sim {
@@ -42,9 +45,28 @@ pub(crate) struct Sim {
     /// Run this many times faster than real time, or `max`
     #[arg(long, default_value = "max", value_name = "X|max")]
     pub(crate) speed: Speed,
+    /// Print what the plugins log on standard error, with its time; so does BACKSEAT_LOG=debug
+    #[arg(long)]
+    pub(crate) verbose: bool,
     /// Print one JSON object on standard output and nothing else
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// A log that is read once and removed, however the run ends.
+struct Passing(PathBuf);
+
+impl Passing {
+    fn new() -> Self {
+        Self(std::env::temp_dir().join(format!("backseat-sim-{}.mcap", std::process::id())))
+    }
+}
+
+impl Drop for Passing {
+    fn drop(&mut self) {
+        // It may not have been created yet.
+        std::fs::remove_file(&self.0).ok();
+    }
 }
 
 pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
@@ -56,7 +78,10 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let load_seconds = loading.elapsed().as_secs_f64();
 
-    let recorder = match &arguments.log {
+    // The plugins' lines are read from the log.
+    let verbose = arguments.verbose || enabled!(Level::DEBUG);
+    let passing = (verbose && arguments.log.is_none()).then(Passing::new);
+    let recorder = match arguments.log.as_ref().or(passing.as_ref().map(|passing| &passing.0)) {
         Some(path) => Some(Recorder::create(
             path,
             &Header {
@@ -85,8 +110,13 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
             all - 1
         );
     }
+    let mut beyond = beyond_vehicle(&mission, &scenario);
     let flying = Clock::start();
     let mut simulation = Simulation::new(&mission, &scenario, arguments.seed, loaded, recorder)?;
+    beyond.extend(beyond_limits(&mission, &scenario, simulation.world()));
+    for line in &beyond {
+        warn!("{line}");
+    }
     if let Some(plan) = faults {
         simulation.set_faults(plan);
     }
@@ -102,6 +132,13 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     report.wall_seconds = flying.elapsed().as_secs_f64();
     report.load_seconds = load_seconds;
     progress.finish_and_clear();
+    if let Some(path) = arguments.log.as_ref().or(passing.as_ref().map(|passing| &passing.0))
+        && verbose
+    {
+        for (at, text) in plugin_lines(&read(path)?) {
+            tell(&format!("{:9.2} s  {text}", at.as_secs_f64()));
+        }
+    }
 
     if let Some(path) = &arguments.map {
         let picture = survey_map(&mission, &scenario, &report, &trace, &mvc);

@@ -9,6 +9,8 @@ use anyhow::{Context, Result, bail};
 use backseat_core::{Identifiers, Operator, Reservation};
 use backseat_mission::Mission;
 
+use crate::owner::explained;
+
 /// The name of the file that is locked.
 const LOCK: &str = "lock";
 /// The name of the record.
@@ -57,9 +59,9 @@ impl State {
     /// that belongs to a vehicle while the mission names none, and one with a record that belongs to no vehicle.
     pub(crate) fn open(folder: &Path, vehicle: Option<&str>) -> Result<Self> {
         let folder = folder.to_path_buf();
-        fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
+        fs::create_dir_all(&folder).map_err(|error| explained(&folder, error))?;
         let path = folder.join(LOCK);
-        let lock = fs::File::create(&path).with_context(|| format!("{}", path.display()))?;
+        let lock = fs::File::create(&path).map_err(|error| explained(&path, error))?;
         match lock.try_lock() {
             Ok(()) => {
                 let state = Self { folder, _lock: lock };
@@ -80,7 +82,7 @@ impl State {
         let says = match fs::read_to_string(&path) {
             Ok(says) => Some(says.trim().to_owned()),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
-            Err(error) => return Err(error).with_context(|| format!("{}", path.display())),
+            Err(error) => return Err(explained(&path, error)),
         };
         match (vehicle, says) {
             (None, None) => Ok(()),
@@ -121,11 +123,20 @@ impl State {
                 Ok(Some(identifiers))
             }
             (Ok(text), Some(first)) => {
+                let reached = identifiers(&text).map_or_else(
+                    || format!("cannot be read ({:?})", text.trim()),
+                    |record| {
+                        format!(
+                            "says that the next identifier is {} (the first was {}; {} inserts and {} GPS hits may \
+                             have been sent)",
+                            record.next, record.first, record.inserts, record.gps_hits
+                        )
+                    },
+                );
                 bail!(
-                    "{}: a record exists already and has reached {}; omit --first-identifier {first}, or delete the \
-                     file if this is another mission of the vehicle",
-                    path.display(),
-                    text.trim()
+                    "{}: a record exists already and {reached}; omit --first-identifier {first}, or delete the file \
+                     if this is another mission of the vehicle",
+                    path.display()
                 );
             }
             (Err(error), Some(first)) if error.kind() == std::io::ErrorKind::NotFound => {
@@ -139,7 +150,7 @@ impl State {
                 Ok(Some(identifiers))
             }
             (Err(error), None) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            (Err(error), _) => Err(error).with_context(|| format!("{}", path.display())),
+            (Err(error), _) => Err(explained(&path, error)),
         }
     }
 
@@ -214,7 +225,7 @@ impl State {
             fs::rename(&draft, &path)?;
             fs::File::open(&self.folder)?.sync_all()
         };
-        written().with_context(|| format!("{}", path.display()))
+        written().map_err(|error| explained(&path, error))
     }
 }
 

@@ -38,7 +38,10 @@ pub fn find_component(
         .collect::<Vec<_>>()
         .join(", ");
     if !is_path {
-        looked.push_str(" (`cargo xtask plugins` builds the project's own)");
+        looked.push_str(
+            "; --plugins DIR or the environment's BACKSEAT_PLUGINS names another folder, and `cargo xtask plugins` \
+             builds the project's own",
+        );
     }
     Err(MissionError::NoComponent {
         plugin: plugin.to_owned(),

@@ -171,6 +171,14 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
                 message: "expected KEY=VALUE, such as limits.speed_max_mps=1.8".to_owned(),
             });
         };
+        if key.trim().split(['.', '[']).next() == Some("plugin") {
+            return Err(MissionError::Layer {
+                layer: format!("--set {set}"),
+                message: "--set cannot reach the keys of a [[plugin]], because a mission may have several: edit \
+                          mission.toml, or a copy of it"
+                    .to_owned(),
+            });
+        }
         // Read as TOML where it is valid TOML, so that 1.8 is a number and true a boolean; otherwise as text.
         let line = format!("{key} = {value}");
         let line = if toml::from_str::<toml::Table>(&line).is_ok() {

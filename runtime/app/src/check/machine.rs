@@ -5,11 +5,13 @@ use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, UNIX_EPOCH};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
+use backseat_fence::Rfc3339;
 use backseat_mission::Mission;
 use backseat_units::Utc;
 
 use crate::output::say;
+use crate::owner::explained;
 use crate::run::names_requests;
 use crate::state::State;
 
@@ -24,13 +26,16 @@ const CLOCK_MAX: Utc = Utc::from_unix_nanos(4_102_444_800_000_000_000);
 /// A mission's files are not written in the future, but the clock of the machine that wrote them may be this far ahead.
 const AHEAD_MAX: Duration = Duration::from_secs(3600);
 
-/// Everything that this computer lacks, one line each.
-pub(super) fn findings(mission: &Mission, log: &Path, state: &Path, now: Utc) -> Vec<String> {
+/// Everything that this computer lacks, one line each. Prints a line if it lacks nothing.
+pub(super) fn findings(mission: &Mission, log: &Path, state: &Path, now: Utc) -> Result<Vec<String>> {
     let folders = [("logs", log, LOG_ROOM), ("state", state, STATE_ROOM)];
-    let mut findings: Vec<String> = folders
-        .into_iter()
-        .filter_map(|(what, folder, room)| Some(format!("{what}: {:#}", writable(folder, room).err()?)))
-        .collect();
+    let (mut findings, mut free) = (Vec::new(), Vec::new());
+    for (what, folder, room) in folders {
+        match writable(folder, room) {
+            Ok(bytes) => free.push(format!("{} GB free for {what}", bytes >> 30)),
+            Err(error) => findings.push(format!("{what}: {error:#}")),
+        }
+    }
     if now < CLOCK_MIN || now > CLOCK_MAX {
         findings.push(format!(
             "clock: the time is {} s since 1970, expected a time from 2025 to 2100",
@@ -42,7 +47,15 @@ pub(super) fn findings(mission: &Mission, log: &Path, state: &Path, now: Utc) ->
             ahead.as_secs()
         ));
     }
-    findings
+    if findings.is_empty() {
+        let whole = Utc::from_unix_nanos(now.as_unix_nanos() / 1_000_000_000 * 1_000_000_000);
+        say!(
+            "this computer: ok ({}; its clock says {})",
+            free.join(", "),
+            Rfc3339(whole)
+        );
+    }
+    Ok(findings)
 }
 
 /// What earlier runs, the operator or other programs have left behind that prevents this mission from being flown, one
@@ -85,18 +98,15 @@ pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
     Ok(findings)
 }
 
-/// Checks that the folder, or the existing one in which it will be created, can be written to and has room.
-fn writable(folder: &Path, room: u64) -> Result<()> {
+/// Checks that the folder, or the existing one in which it will be created, can be written to and has room. Returns how
+/// many bytes are free.
+fn writable(folder: &Path, room: u64) -> Result<u64> {
     let there = existing(folder);
-    let place = || there.display().to_string();
     let probe = there.join(format!(".backseat-check-{}", std::process::id()));
     let written = fs::write(&probe, b"write test by backseat check\n");
     let removed = fs::remove_file(&probe);
-    written.with_context(place)?;
-    removed.with_context(place)?;
-    let figures = rustix::fs::statvfs(&there)
-        .map_err(std::io::Error::from)
-        .with_context(place)?;
+    written.and(removed).map_err(|error| explained(&there, error))?;
+    let figures = rustix::fs::statvfs(&there).map_err(|error| explained(&there, error.into()))?;
     let free = figures.f_bavail.saturating_mul(figures.f_frsize);
     anyhow::ensure!(
         free >= room,
@@ -105,7 +115,7 @@ fn writable(folder: &Path, room: u64) -> Result<()> {
         free >> 20,
         room >> 20
     );
-    Ok(())
+    Ok(free)
 }
 
 /// The folder itself, or its nearest ancestor that exists.

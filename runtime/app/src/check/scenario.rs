@@ -7,6 +7,8 @@ use backseat_mission::Mission;
 use backseat_scenario::Scenario;
 
 use super::front_seat::FrontSeat;
+use crate::output::say;
+use crate::surroundings::beyond_limits;
 
 /// The front seat of the mission's scenario, where the mission has one.
 pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<FrontSeat> {
@@ -19,11 +21,12 @@ pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<Front
     let vehicle = scenario.vehicle_of(mission);
     let plan = scenario.plan(mission, plan)?;
     // Some errors show only with a seed: a vehicle or a seabed that is not possible.
-    drop(
-        scenario
-            .vehicle(1)
-            .with_context(|| format!("{}", scenario.path.display()))?,
-    );
+    let simulated = scenario
+        .vehicle(1)
+        .with_context(|| format!("{}", scenario.path.display()))?;
+    for line in beyond_limits(mission, &scenario, simulated.world()) {
+        say!("warning: {line}");
+    }
     let start = scenario
         .start()
         .ok_or_else(|| anyhow!("{}: origin: expected ±85 and ±180 degrees", scenario.path.display()))?;

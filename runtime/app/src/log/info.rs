@@ -8,28 +8,31 @@ use backseat_recorder::{Log, Record};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::files::each;
 use super::read_log;
 use crate::output::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogInfo {
-    /// The log, written by `run` or `sim --log`
-    #[arg(value_name = "DIVE.mcap")]
-    file: PathBuf,
-    /// Print one JSON object on standard output and nothing else
+    /// The logs, written by `run` or `sim --log`
+    #[arg(value_name = "DIVE.mcap", required = true)]
+    files: Vec<PathBuf>,
+    /// Print one JSON object for each log on standard output and nothing else
     #[arg(long)]
     json: bool,
 }
 
 pub(super) fn info(arguments: &LogInfo) -> Result<bool> {
-    let log = read_log(&arguments.file)?;
-    let summary = Summary::of(&log);
-    if arguments.json {
-        say!("{}", summary.to_json(&arguments.file, &log));
-    } else {
-        summary.print(&arguments.file, &log)?;
-    }
-    Ok(true)
+    each(&arguments.files, |file| {
+        let log = read_log(file)?;
+        let summary = Summary::of(&log);
+        if arguments.json {
+            say!("{}", summary.to_json(file, &log));
+        } else {
+            summary.print(file, &log)?;
+        }
+        Ok(true)
+    })
 }
 
 /// Counts of a log's records.

@@ -7,21 +7,28 @@ use backseat_sim::{Verdict, judge_log};
 use clap::Args;
 use serde_json::json;
 
+use super::files::each;
 use super::read_log;
 use crate::output::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogJudge {
-    /// The log, written by `run` or `sim --log`
-    #[arg(value_name = "DIVE.mcap")]
-    pub(crate) file: PathBuf,
-    /// Print one JSON object on standard output and nothing else
+    /// The logs, written by `run` or `sim --log`
+    #[arg(value_name = "DIVE.mcap", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+    /// Also print the rules that were not judged, with the reason
+    #[arg(long)]
+    pub(crate) all: bool,
+    /// Print one JSON object for each log on standard output and nothing else
     #[arg(long)]
     pub(crate) json: bool,
 }
 
 pub(super) fn judge(arguments: &LogJudge) -> Result<bool> {
-    let path = &arguments.file;
+    each(&arguments.files, |file| judge_one(file, arguments))
+}
+
+fn judge_one(path: &Path, arguments: &LogJudge) -> Result<bool> {
     let log = read_log(path)?;
     let verdict = judge_log(&log).with_context(|| format!("log {} cannot be judged", path.display()))?;
     if arguments.json {
@@ -32,12 +39,12 @@ pub(super) fn judge(arguments: &LogJudge) -> Result<bool> {
         }
         say!("{report}");
     } else {
-        print(path, &verdict)?;
+        print(path, &verdict, arguments.all)?;
     }
     Ok(verdict.passed())
 }
 
-fn print(path: &Path, verdict: &Verdict) -> Result<()> {
+fn print(path: &Path, verdict: &Verdict, all: bool) -> Result<()> {
     let seed = verdict.seed.map_or_else(String::new, |seed| format!(", seed {seed}"));
     let cut = if verdict.complete { "" } else { ", cut short" };
     say!(
@@ -61,7 +68,9 @@ fn print(path: &Path, verdict: &Verdict) -> Result<()> {
             verdict.standstills
         );
     }
-    for rule in &verdict.rules {
+    let (judged, others): (Vec<_>, Vec<_>) = verdict.rules.iter().partition(|rule| rule.unjudged.is_none());
+    say!("  {:3} {:27} {:9} result", "SR", "rule", "looks at");
+    for rule in judged.iter().chain(others.iter().filter(|_| all)) {
         let requirement = rule
             .requirement
             .map_or_else(|| "   ".to_owned(), |requirement| format!("{requirement:03}"));
@@ -71,6 +80,12 @@ fn print(path: &Path, verdict: &Verdict) -> Result<()> {
             (None, broken) => format!("broken {broken} of {} times", rule.judged),
         };
         say!("  {requirement} {:27} {:9} {fared}", rule.rule, rule.side);
+    }
+    if !all && !others.is_empty() {
+        say!(
+            "  {} rules had no case or need a simulation: --all shows them",
+            others.len()
+        );
     }
     for violation in &verdict.broken {
         say!("  {violation}");

@@ -149,10 +149,46 @@ fn beat(body: &str) -> Option<&str> {
 }
 
 #[test]
+fn several_logs_are_judged_and_shown_with_the_worst_exit_code() {
+    let mission = Mission::steady();
+    drop(flown(&mission));
+    let (good, bad) = (mission.beside("flown.mcap"), mission.beside("bad.mcap"));
+    std::fs::write(&bad, "not a log").unwrap();
+    for command in ["judge", "info"] {
+        let run = |files: &[&Path]| Backseat::new().args(["log", command]).args(files).run();
+        let both = run(&[&good, &good]).exit(0).stdout;
+        assert_eq!(both.matches("flown.mcap: steady").count(), 2, "{both}");
+        let finished = run(&[&bad, &good]).exit(2);
+        assert!(finished.stdout.contains("flown.mcap: steady"), "{finished}");
+        assert!(finished.stderr.contains("bad.mcap"), "{finished}");
+    }
+}
+
+#[test]
+fn the_lines_of_a_log_are_shown_and_those_of_one_plugin() {
+    let mission = Mission::steady();
+    drop(flown(&mission));
+    let show = |arguments: &[&str]| {
+        let log = mission.beside("flown.mcap");
+        Backseat::new().args(["log", "show"]).arg(log).args(arguments).run()
+    };
+    let all = show(&[]).exit(0).stdout;
+    assert!(all.contains(" control granted"), "{all}");
+    let pilot = show(&["--plugin", "pilot"]).exit(0).stdout;
+    assert!(pilot.lines().count() > 10, "{pilot}");
+    assert!(pilot.lines().all(|line| line.contains("pilot")), "{pilot}");
+    assert!(
+        show(&["--plugin", "nobody"])
+            .refusal()
+            .contains("its plugins are: pilot")
+    );
+}
+
+#[test]
 fn a_clean_log_held_and_says_what_could_not_be_judged() {
     let mission = Mission::steady();
     let log = flown(&mission);
-    let finished = judge(&mission.beside("flown.mcap"), &[]).exit(0);
+    let finished = judge(&mission.beside("flown.mcap"), &["--all"]).exit(0);
     assert_eq!(finished.stderr, "");
     for (rule, fared) in [
         ("no-control", "held, judged 599 times"),
@@ -170,6 +206,12 @@ fn a_clean_log_held_and_says_what_could_not_be_judged() {
             .find(|line| line.split_whitespace().any(|word| word == rule));
         assert!(line.is_some_and(|line| line.contains(fared)), "{rule}: {finished}");
     }
+    let brief = judge(&mission.beside("flown.mcap"), &[]).exit(0).stdout;
+    assert!(!brief.contains("not judged"), "{brief}");
+    assert!(
+        brief.contains("rules had no case or need a simulation: --all shows them"),
+        "{brief}"
+    );
     let report = judge(&mission.beside("flown.mcap"), &["--json"]).exit(0).json();
     assert_eq!(
         (&report["passed"], &report["complete"]),

@@ -625,3 +625,36 @@ fn the_plan_that_was_checked_is_held_against_the_vehicles_own() {
         &["plan.tolerance_m is -1", "expected"],
     );
 }
+
+#[test]
+fn the_plan_is_checked_without_the_plugins() {
+    let mission = Mission::steady().edit("mission.toml", "component = \"faulty\"", "component = \"missing\"");
+    let said = not_ready(&mission, &[]);
+    has(&said, &["no component `missing`", "--plugins", "BACKSEAT_PLUGINS"]);
+    has(&said, &["plan:", "lie inside the fence"]);
+}
+
+#[test]
+fn a_good_computer_has_a_line_of_its_own() {
+    has(
+        &ready(&Mission::steady(), &[]),
+        &["this computer: ok", "GB free for logs"],
+    );
+}
+
+#[test]
+fn a_world_beyond_the_limits_is_a_warning() {
+    let mission = Mission::steady();
+    let limits = ["limits.current_max_mps=0.01", "limits.navigation_error_m=0.1"];
+    let rough = mission.append("world.toml", "[sensors]\nposition_noise_m = 0.5").edit(
+        "world.toml",
+        "[seabed]",
+        "[current]\nspeed_mps = 0.2\n\n[seabed]",
+    );
+    for limit in limits {
+        let key = limit.split('=').next().unwrap_or_default();
+        has(&ready(&rough, &["--set", limit]), &["warning: world:", key]);
+    }
+    let flown = Backseat::new().args(["sim", "--set", limits[0]]).mission(&rough).run();
+    has(&flown.stderr, &["WARN", "world: current up to 0.20 m/s"]);
+}

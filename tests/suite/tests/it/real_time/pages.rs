@@ -158,7 +158,7 @@ fn a_new_plugin_flies_as_its_page_says() {
         &told,
         &[
             "mine, seed 1: completed",
-            "rejected 480 x depth: 6.0 m deeper than the 30 m of keep-in zone 'bay'",
+            "rejected 480 x depth: 4.0 m deeper than the 36 m of keep-in zone 'bay'",
             "exit code 1",
             "10 runs.jsonl",
         ],

@@ -1,0 +1,64 @@
+//! Whose a file is, for errors about permissions.
+
+use std::fs;
+use std::io::{Error, ErrorKind};
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
+
+/// The error with its path. If access was denied, it also says whose the file or its folder is, and who asked.
+pub(crate) fn explained(path: &Path, error: Error) -> anyhow::Error {
+    let place = path.display();
+    let asked = rustix::process::geteuid().as_raw();
+    let there = path
+        .ancestors()
+        .find_map(|place| Some((place, fs::metadata(place).ok()?)));
+    let what = match there {
+        Some((there, found)) if error.kind() == ErrorKind::PermissionDenied && found.uid() != asked => {
+            let owner = user(found.uid());
+            let asked = user(asked);
+            if there == path {
+                format!("{place} belongs to {owner}, and this program runs as {asked}")
+            } else {
+                format!(
+                    "{place}: {} belongs to {owner}, and this program runs as {asked}",
+                    there.display()
+                )
+            }
+        }
+        _ => place.to_string(),
+    };
+    anyhow::Error::new(error).context(what)
+}
+
+/// A user's name, or the number of one without a name.
+fn user(number: u32) -> String {
+    let accounts = fs::read_to_string("/etc/passwd").unwrap_or_default();
+    let name = accounts.lines().find_map(|line| {
+        let mut fields = line.split(':');
+        let (name, _, found) = (fields.next()?, fields.next()?, fields.next()?);
+        (found.parse() == Ok(number)).then_some(name)
+    });
+    name.map_or_else(|| format!("user {number}"), str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_denied_access_names_the_owner_and_who_asks() {
+        // Of process 1, which is root's.
+        let error = explained(Path::new("/proc/1/mem"), Error::from(ErrorKind::PermissionDenied));
+        let told = format!("{error:#}");
+        let ours = rustix::process::geteuid().is_root();
+        assert_eq!(told.contains("belongs to root"), !ours, "{told}");
+        let missing = explained(Path::new("/nowhere/file"), Error::from(ErrorKind::NotFound));
+        assert_eq!(format!("{missing:#}"), "/nowhere/file: entity not found");
+    }
+
+    #[test]
+    fn a_user_has_a_name_or_a_number() {
+        assert_eq!(user(0), "root");
+        assert_eq!(user(3_999_999_999), "user 3999999999");
+    }
+}

@@ -1,0 +1,143 @@
+//! Whether the simulated world lies within the limits of the mission. Beyond them the runtime assumes too little, and
+//! the vehicle may leave the fence.
+
+use backseat_fence::Fence;
+use backseat_mission::{Mission, beyond_class};
+use backseat_mvc::WorldFile;
+use backseat_scenario::Scenario;
+use backseat_units::math::hypot;
+use backseat_units::{EastNorth, LocalFrame};
+use backseat_world::World;
+
+/// How many places are looked at in each direction across the fence.
+const PLACES: u32 = 60;
+/// A limit that is exceeded by less is met: limits are written with few digits.
+const TOLERANCE: f64 = 1e-3;
+
+/// What is beyond the limits in the world of this seed, one line each.
+pub(crate) fn beyond_limits(mission: &Mission, scenario: &Scenario, world: &World) -> Vec<String> {
+    let (limits, file) = (&mission.file.limits, &scenario.world);
+    let mut lines = Vec::new();
+    let mut over = |what: &str, value: f64, key: &str, limit: f64| {
+        if value > limit + TOLERANCE {
+            lines.push(format!("world: {what}, limits.{key} is {limit}"));
+        }
+    };
+    let current = current_max_mps(file);
+    over(
+        &format!("current up to {current:.2} m/s"),
+        current,
+        "current_max_mps",
+        limits.current_max_mps,
+    );
+    // Three standard deviations of one reading, and one of the drift in an hour.
+    let noise = 3.0 * file.sensors.position_noise_m;
+    let drift = file.sensors.position_drift_m_per_sqrt_h;
+    over(
+        &format!("a position is wrong by up to {noise:.1} m (three times position_noise_m)"),
+        noise,
+        "navigation_error_m",
+        limits.navigation_error_m,
+    );
+    over(
+        &format!("positions drift by {drift:.1} m in an hour (position_drift_m_per_sqrt_h)"),
+        drift,
+        "navigation_error_m",
+        limits.navigation_error_m,
+    );
+    if let Some(seabed) = file
+        .world_config()
+        .frame()
+        .ok()
+        .and_then(|frame| Seabed::within(mission.envelope.fence(), world, &frame))
+    {
+        let Seabed { least_m, most_m, slope } = seabed;
+        over(
+            &format!("the seabed inside the fence slopes by up to {slope:.3}"),
+            slope,
+            "seabed_slope_max",
+            limits.seabed_slope_max,
+        );
+        if let Some(max) = limits.water_depth_max_m {
+            let what = format!("the water inside the fence is up to {most_m:.1} m deep");
+            over(&what, most_m, "water_depth_max_m", max);
+        }
+        if let Some(min) = limits.water_depth_min_m.filter(|min| least_m < min - TOLERANCE) {
+            lines.push(format!(
+                "world: the water inside the fence is only {least_m:.1} m deep in places, limits.water_depth_min_m \
+                 is {min}"
+            ));
+        }
+    }
+    lines
+}
+
+/// What the simulated vehicle cannot do although the limits expect it, one line each.
+pub(crate) fn beyond_vehicle(mission: &Mission, scenario: &Scenario) -> Vec<String> {
+    let vehicle = scenario.vehicle_of(mission);
+    let findings = beyond_class(
+        &mission.file.limits,
+        mission.envelope.fence(),
+        vehicle.class,
+        &vehicle.limits(),
+    );
+    findings
+        .into_iter()
+        .map(|finding| format!("world: {finding}"))
+        .collect()
+}
+
+/// The fastest current that any seed can draw.
+fn current_max_mps(file: &WorldFile) -> f64 {
+    let current = &file.current;
+    let tides: f64 = current.tides.iter().map(|tide| tide.speed_mps.most()).sum();
+    let factors = current.layers.iter().map(|layer| layer.factor);
+    // Without layers the current is the same at all depths, or it falls.
+    let factor = factors.reduce(f64::max).unwrap_or(1.0);
+    (current.speed_mps.most() + tides) * factor
+}
+
+/// The seabed below the places where the fence lets the vehicle be.
+struct Seabed {
+    least_m: f64,
+    most_m: f64,
+    slope: f64,
+}
+
+impl Seabed {
+    fn within(fence: &Fence, world: &World, frame: &LocalFrame) -> Option<Self> {
+        let corners = || fence.zones().flat_map(|zone| zone.rings()).flat_map(|ring| ring.points);
+        let range = |of: fn(&EastNorth) -> f64| {
+            let least = corners().map(of).reduce(f64::min)?;
+            let most = corners().map(of).reduce(f64::max)?;
+            Some((least, (most - least) / f64::from(PLACES)))
+        };
+        let (east, step_east) = range(|corner| corner.east_m)?;
+        let (north, step_north) = range(|corner| corner.north_m)?;
+        let mut found: Option<Self> = None;
+        for (column, row) in (0..=PLACES).flat_map(|column| (0..=PLACES).map(move |row| (column, row))) {
+            let place = EastNorth::new(
+                east + step_east * f64::from(column),
+                north + step_north * f64::from(row),
+            );
+            if fence.contains(place).is_err() {
+                continue;
+            }
+            let place = frame.to_local(fence.frame().to_position(place));
+            let depth_m = world.water_depth_m(place);
+            let gradient = world.gradient(place);
+            let slope = hypot(gradient.east_m, gradient.north_m);
+            let before = found.unwrap_or(Self {
+                least_m: depth_m,
+                most_m: depth_m,
+                slope,
+            });
+            found = Some(Self {
+                least_m: before.least_m.min(depth_m),
+                most_m: before.most_m.max(depth_m),
+                slope: before.slope.max(slope),
+            });
+        }
+        found
+    }
+}

@@ -10,7 +10,8 @@ use backseat_world::{Target, World};
 use crate::report::Report;
 use crate::trace::{Sounding, Steering, Trace};
 
-/// The sectors around a target.
+/// The sectors around a target. The middle of the first one is north, so that what is abeam of a line to the north, east,
+/// south or west is in one sector.
 const SECTORS: usize = 8;
 /// A target is abeam if its middle is this near to the plane across the vehicle, metres: half of the way between two
 /// pings of the trace. Half of the target's length is added.
@@ -113,8 +114,8 @@ fn aspects(target: &Target, soundings: &[Sounding], world: &World) -> usize {
         let is_abeam = ahead_m.abs() <= ABEAM_M + 0.5 * target.length_m;
         let is_reached = ground_m * ground_m + altitude_m * altitude_m <= sounding.range_m * sounding.range_m;
         if is_abeam && is_reached && ground_m >= GAP * altitude_m {
-            let bearing_deg = target.at.bearing_deg(sounding.local);
-            seen[((bearing_deg / 360.0 * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
+            let sectors = target.at.bearing_deg(sounding.local) / 360.0 * SECTORS as f64;
+            seen[(sectors + 0.5) as usize % SECTORS] = true;
         }
     }
     seen.iter().filter(|seen| **seen).count()
@@ -176,8 +177,10 @@ mod tests {
     fn a_line_sees_a_target_from_one_side_and_a_circle_from_all() {
         let world = world();
         let target = &world.targets()[0];
-        // From straight west; straight east is the border of two sectors.
-        assert!((1..=2).contains(&aspects(target, &line(-30.0), &world)));
+        assert_eq!(aspects(target, &line(-30.0), &world), 1);
+        assert_eq!(aspects(target, &line(30.0), &world), 1);
+        let both: Vec<Sounding> = line(30.0).into_iter().chain(line(-30.0)).collect();
+        assert_eq!(aspects(target, &both, &world), 2);
         assert_eq!(aspects(target, &line(3.0), &world), 0, "it is below the vehicle");
         assert_eq!(
             aspects(target, &line(49.5), &world),

@@ -222,3 +222,12 @@ fn midnight_passes_inside_a_mission() {
         .count();
     assert!(begun > 0, "inserts begin after midnight too; the run took {late} s");
 }
+
+#[test]
+fn a_plugin_finds_objects_in_the_imagery_of_the_simulated_sonar() {
+    let report = fly(&Mission::copy("reinspect"), &["--json"]).exit(0).json();
+    let measure = |name: &str| report["measures"][name].as_f64().unwrap();
+    assert!(measure("contacts_found") >= 4.0, "{report}");
+    assert!(measure("contacts_false") <= 2.0, "{report}");
+    assert!(measure("contacts_aspects") >= 4.0, "{report}");
+}

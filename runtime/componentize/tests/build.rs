@@ -67,17 +67,24 @@ fn the_same_source_gives_the_same_component_wherever_it_is() {
     let here = built(&workspace(), &folder("here"), "template");
 
     let elsewhere = folder("elsewhere/on the disk");
-    for part in ["Cargo.lock", "wit", "runtime/units", "plugins/sdk", "plugins/template"] {
+    // The SDK's own tests hear a simulated sea.
+    let members = [
+        "runtime/units",
+        "runtime/world",
+        "runtime/acoustics",
+        "plugins/sdk",
+        "plugins/template",
+    ];
+    for part in ["Cargo.lock", "wit"].iter().chain(&members) {
         fs::create_dir_all(elsewhere.join(part).parent().unwrap()).unwrap();
         copy(&workspace().join(part), &elsewhere.join(part));
     }
     let manifest = fs::read_to_string(workspace().join("Cargo.toml")).unwrap();
     let (head, rest) = manifest.split_once("members = [").unwrap();
     let (_, rest) = rest.split_once(']').unwrap();
-    let members = r#"members = ["runtime/units", "plugins/sdk", "plugins/template"]"#;
     fs::write(
         elsewhere.join("Cargo.toml"),
-        format!("{head}{members}{rest}").replace("exclude", "# exclude"),
+        format!("{head}members = {members:?}{rest}").replace("exclude", "# exclude"),
     )
     .unwrap();
     // If no package is named, the workspace's plugins are built.

@@ -221,7 +221,7 @@ fn every_input_comes_back_in_handle_order() {
             Request::SonarSet(SonarSetRequest {
                 tag: 30,
                 sensor: 1,
-                setting: SonarSetting::RangeM(f64::NAN),
+                setting: SonarSetting::RangeM(f64::INFINITY),
             }),
             Request::SonarSet(SonarSetRequest {
                 tag: 31,

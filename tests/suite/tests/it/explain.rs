@@ -97,7 +97,7 @@ fn keys_of(reference: &Reference, table: &str, value: &Value, keys: &mut BTreeSe
 fn the_reports_keys_are_those_of_the_reference() {
     let reference = Reference::of("report").expect("the report has a reference");
     let mut keys = BTreeSet::new();
-    for mission in [Mission::copy("isobath"), Mission::copy("plume")] {
+    for mission in ["isobath", "plume", "reinspect", "coverage"].map(Mission::copy) {
         let report = Backseat::new()
             .args(["sim", "--json"])
             .mission(&mission)

@@ -25,7 +25,7 @@ pub(crate) struct Mvc {
     /// Listen on this address
     #[arg(long, default_value = "127.0.0.1:29500", value_name = "ADDR:PORT")]
     pub(crate) listen: String,
-    /// Run this many times faster than real time, or `max` for as fast as the clients read
+    /// Run this many times faster than real time, or `max` for as fast as the clients read, from the first client on
     #[arg(long, default_value = "1", value_name = "X|max")]
     pub(crate) speed: Speed,
     /// Which status messages are on from the start [default: as in world.toml]

@@ -119,7 +119,7 @@ impl View {
             let x = self.pixel(EastNorth::new(east_m, 0.0)).0;
             marks += &format!("M{} {}v5", number(x), number(self.bottom()));
             // The axis' name is in the corner.
-            if x < self.map_left + self.map_width - 40.0 {
+            if x < self.map_left + self.map_width - 60.0 {
                 canvas.around(text((x, self.bottom() + 18.0), &figure(east_m, step), &middle));
             }
         }
@@ -274,8 +274,19 @@ fn fitted(content: &str, size: f64) -> String {
 }
 
 fn wrapped(content: &str) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
+    let mut words: Vec<String> = Vec::new();
     for word in content.split_whitespace() {
+        match words.last_mut() {
+            // A figure stays on the line of its unit.
+            Some(figure) if figure.parse::<f64>().is_ok() => {
+                figure.push(' ');
+                figure.push_str(word);
+            }
+            _ => words.push(word.to_owned()),
+        }
+    }
+    let mut lines: Vec<String> = Vec::new();
+    for word in &words {
         match lines.last_mut() {
             Some(line) if text_width(line, 13.0) + text_width(word, 13.0) + 8.0 <= CAPTION_WIDTH => {
                 line.push(' ');
@@ -290,6 +301,14 @@ fn wrapped(content: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_figure_stays_with_its_unit() {
+        let caption = "contour followed 1521.0 s, ".repeat(30);
+        let lines = wrapped(&caption);
+        assert!(lines.len() > 2, "{lines:?}");
+        assert!(lines.iter().all(|line| !line.starts_with("s,")), "{lines:?}");
+    }
 
     #[test]
     fn steps_are_nice() {

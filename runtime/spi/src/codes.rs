@@ -36,7 +36,7 @@ macro_rules! codes {
         impl Field for $name {
             type Value = Self;
             const FORMATS: &'static [&'static str] = &["x"];
-            const RANGE: &'static str = concat!("code", $(" ", $code,)* " …");
+            const RANGE: &'static str = concat!($(stringify!($code), " ", stringify!($variant), ", ",)* "…");
 
             fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
                 reader.signed().map(Self::from_code)

@@ -178,13 +178,10 @@ impl Server {
         }
     }
 
-    /// Whether the vehicle waits for a client to read.
+    /// Whether the vehicle waits for a client to read, or for its first client: nobody would see what it does before.
     fn held(&self) -> bool {
-        self.speed == Speed::Max
-            && self
-                .connections
-                .values()
-                .any(|connection| connection.peer.waiting() > WAITING_AT_MAX_SPEED)
+        let slow = |connection: &Connection| connection.peer.waiting() > WAITING_AT_MAX_SPEED;
+        self.speed == Speed::Max && (self.clients == 0 || self.connections.values().any(slow))
     }
 
     /// Takes all due steps, each at its own time, so that a late wake-up changes no result.

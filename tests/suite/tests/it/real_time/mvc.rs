@@ -224,7 +224,10 @@ fn who_never_reads_is_cut_off_at_any_speed() {
 fn as_fast_as_its_clients_read() {
     let mission = Mission::steady();
     let vehicle = vehicle_with(&mission, &["--speed", "max", "--duration", "20000"]);
+    // It waits for its first client, however late that comes.
+    settle(Duration::from_secs(1));
     let mut client = Client::connect(&vehicle.address);
+    client.hears("$BFVER,080000.");
     client.say("$BPLOG,NVG,ON");
     let watch = Stopwatch::start();
     while client.read() {
@@ -378,7 +381,7 @@ fn what_cannot_be_flown_is_refused_with_its_place() {
 fn it_ends_by_itself_and_tells_a_person_what_goes_on() {
     let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
     let done = Backseat::new()
-        .args(["mvc", "--listen", "127.0.0.1:0", "--speed", "max", "--duration", "120"])
+        .args(["mvc", "--listen", "127.0.0.1:0", "--speed", "500", "--duration", "120"])
         .mission(&mission)
         .run()
         .exit(0);

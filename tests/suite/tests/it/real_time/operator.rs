@@ -62,7 +62,7 @@ fn one_release_undoes_any_number_of_holds() {
     for _ in 0..3 {
         runtime.signal(Signal::USR1);
     }
-    runtime.says("operator: Hold", SOON);
+    runtime.says("operator: hold", SOON);
     // A hold and a release that are read together count as a hold; here all three are read before.
     settle(Duration::from_millis(500));
     runtime.signal(Signal::USR2);

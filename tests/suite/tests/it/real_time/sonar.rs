@@ -99,7 +99,7 @@ fn sr_022_a_payload_controller_that_is_killed_or_stopped_does_not_disturb_a_surv
     settle(Duration::from_secs(3));
 
     first.kill();
-    status_says(&vehicle, "sonar not ready");
+    status_says(&vehicle, "sonar not connected");
     settle(Duration::from_secs(2));
     let second = controller(&mission, &address, "second");
     // Logging goes on as the vehicle ordered it on the connection before.
@@ -107,7 +107,7 @@ fn sr_022_a_payload_controller_that_is_killed_or_stopped_does_not_disturb_a_surv
     settle(Duration::from_secs(3));
 
     second.signal(Signal::STOP);
-    status_says(&vehicle, "sonar not ready");
+    status_says(&vehicle, "sonar not connected");
     settle(Duration::from_secs(3));
     second.signal(Signal::CONT);
     status_says(&vehicle, "sonar ready; logging on");

@@ -3,8 +3,10 @@
 
 use std::time::Duration;
 
-use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, ToVehicle};
-use backseat_units::{Timestamp, utm_convergence_deg};
+use backseat_spi::{
+    EchoedTime, EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, ToVehicle,
+};
+use backseat_units::{TimeOfDay, Timestamp, utm_convergence_deg};
 
 use crate::arbiter::LeaseKind;
 use crate::context::Context;
@@ -82,6 +84,8 @@ struct Lease {
     setpoint: Setpoint,
     /// When the last BPRMB was sent, for this lease or for the one that it replaced.
     sent: Option<Timestamp>,
+    /// The times in the first and the last of these BPRMB.
+    stamps: Option<(TimeOfDay, TimeOfDay)>,
     /// When the setpoint was last judged.
     judged: Timestamp,
 }
@@ -129,10 +133,10 @@ impl Modify {
         asked: &ModifyRequest,
         setpoint: Setpoint,
     ) -> bool {
-        let (mut sent, mut changed) = (None, true);
+        let (mut sent, mut stamps, mut changed) = (None, None, true);
         cx.arbiter.take(cx.now, plugin, LeaseKind::Modify);
         if let Some(lease) = self.lease.take() {
-            sent = lease.sent;
+            (sent, stamps) = (lease.sent, lease.stamps);
             changed = lease.setpoint != setpoint;
             if lease.plugin == plugin && lease.tag == asked.tag {
                 cx.transition_quietly(lease.request, RequestState::Ended(EndCause::Replaced.into()));
@@ -146,6 +150,7 @@ impl Modify {
             tag: asked.tag,
             setpoint,
             sent,
+            stamps,
             judged: cx.now,
         });
         cx.timers.set(Timer::Term, cx.now + asked.duration);
@@ -259,6 +264,8 @@ impl Modify {
         }
         if let Some(lease) = &mut self.lease {
             lease.sent = Some(cx.now);
+            let first = lease.stamps.map_or(created, |(first, _)| first);
+            lease.stamps = Some((first, created));
         }
         self.sent = Some(cx.now);
         cx.timers.set(Timer::Refresh, cx.now + refresh_every());
@@ -351,10 +358,32 @@ impl Modify {
 
     /// The vehicle has refused a BPRMB, or not answered it in time, but its lease had ended before. The next lease
     /// waits all the same, or a plugin that ends each lease at once would never wait. During the pause such a BPRMB is
-    /// one from before it, and does not make the pause longer.
-    pub(crate) fn failed_after_its_end(&mut self, cx: &mut Context) {
+    /// one from before it, and does not make the pause longer. A lease whose first BPRMB has not left yet is the next
+    /// lease: it ends.
+    pub(crate) fn failed_after_its_end(&mut self, cx: &mut Context, answer: Answer<'_>) {
         if self.pause.left(cx.now).is_none() {
             self.pause.failed(cx.now);
+        }
+        if self.lease.is_some_and(|lease| lease.sent.is_none()) && is_on(Check::LeasePause) {
+            match answer {
+                Answer::Refused(text) => self.end(cx, Ended::Said(EndCause::VehicleRefused, text.to_owned())),
+                Answer::Missing | Answer::Pending | Answer::Done => self.end(cx, EndCause::NotAcknowledged),
+            }
+        }
+    }
+
+    /// The vehicle refused a BPRMB that does not wait for an answer: it was answered before, or the link changed the
+    /// time in it. If the echoed time lies within the life of the current lease, the vehicle can mean no other.
+    pub(crate) fn refused_again(&mut self, cx: &mut Context, echo: EchoedTime, text: &str) {
+        let within = |(first, last): (TimeOfDay, TimeOfDay)| {
+            let time = echo.time();
+            !echo.is_none() && time.nanos_since(first) >= 0 && time.nanos_since(last) <= 0
+                || echo.echoes(first)
+                || echo.echoes(last)
+        };
+        if self.lease.and_then(|lease| lease.stamps).is_some_and(within) {
+            self.pause.failed(cx.now);
+            self.end(cx, Ended::Said(EndCause::VehicleRefused, text.to_owned()));
         }
     }
 }

@@ -22,6 +22,10 @@ impl Core {
         }
         let subscriptions = self.cx.link.subscriptions.subjects();
         let Some((command, settled)) = self.cx.link.commands.answer(ack, self.cx.now, subscriptions) else {
+            if ack.command == name("RMB") && matches!(ack.status, AckStatus::Invalid | AckStatus::Failed) {
+                let (echo, text) = (ack.command_created, ack.text.as_str());
+                self.capabilities.modify.refused_again(&mut self.cx, echo, text);
+            }
             return;
         };
         let answer = match ack.status {
@@ -73,7 +77,7 @@ impl Core {
             Purpose::SpeedRestored(request) => self.capabilities.station.speed_restored(&mut self.cx, request, answer),
             Purpose::Courtesy => {
                 if command.name == name("RMB") && matches!(answer, Answer::Missing | Answer::Refused(_)) {
-                    self.capabilities.modify.failed_after_its_end(&mut self.cx);
+                    self.capabilities.modify.failed_after_its_end(&mut self.cx, answer);
                 }
                 if let Answer::Refused(text) = answer {
                     self.cx.note(Note::Text {

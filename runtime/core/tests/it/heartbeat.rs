@@ -233,6 +233,21 @@ fn sr_023_a_refusal_that_comes_after_the_lease_has_ended_counts_too() {
     }
 }
 
+/// A lease that waits for its turn, because a BPRMB has just left for another, is not in force yet. The refusal that
+/// comes meanwhile holds for it.
+#[test]
+fn sr_023_a_refusal_of_the_last_lease_also_ends_the_next_one_before_its_first_bprmb() {
+    let mut trial = Trial::under_way();
+    let refused = Reply::Late(Duration::from_millis(50), AckStatus::Failed);
+    trial.vehicle.replies.insert("RMB", refused);
+    let step = [Request::Modify(modify(1)), Request::EndModify, Request::Modify(modify(2))];
+    trial.ask(0, step);
+    trial.run_for(2.0);
+    assert_eq!(trial.sent("RMB").len(), 1);
+    assert_eq!(trial.sent("EMB").len(), 1, "nothing is modified that a second could end");
+    assert_eq!(shorts(&trial.states(2)), ["ended"]);
+}
+
 #[test]
 fn sr_023_if_status_is_never_answered_subscriptions_serve_as_the_heartbeat() {
     let mut trial = Trial::new();

@@ -3,11 +3,19 @@ use std::time::Duration;
 use backseat_core::plugin::{FaultKind, ModifyRequest, Request, RequestState, VerticalRequest};
 use backseat_core::{HeadingFrame, Limits, Operator, Settings};
 use backseat_spi::{AckStatus, HorizontalMode, ModifySpeedMode, ModifyVerticalMode, ToVehicle};
-use backseat_units::{EastNorth, Timestamp};
+use backseat_units::{EastNorth, TimeOfDay, Timestamp};
 
 use crate::course::{LIFTED, limits, line, modify, modify_for, turn};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
+
+/// The BPRMB of this number, from 0.
+fn modified(trial: &Trial, number: usize) -> backseat_spi::ModifyBehavior {
+    match trial.commands("RMB").get(number) {
+        Some((_, ToVehicle::ModifyBehavior(modify))) => modify.clone(),
+        other => panic!("BPRMB {number} is {other:?}"),
+    }
+}
 
 /// The last BPRMB.
 fn last_modify(trial: &Trial) -> backseat_spi::ModifyBehavior {
@@ -180,6 +188,47 @@ fn sr_003_an_acknowledgement_may_come_late_within_the_second() {
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(5.0);
     assert!(trial.lease_ends().is_empty());
+}
+
+/// The link may change a digit of a BPRMB's time without its checksum, and a vehicle may refuse what it took before.
+/// Which BPRMB it means does not matter: the lease has no other end that it could mean.
+#[test]
+fn sr_003_a_refusal_of_any_time_within_the_lease_ends_it() {
+    let refusals: [fn(&Trial) -> TimeOfDay; 2] = [
+        // The first BPRMB, which was accepted.
+        |trial| modified(trial, 0).created,
+        // No BPRMB.
+        |trial| TimeOfDay::from_nanos(modified(trial, 1).created.as_nanos() - 17_000_000).unwrap(),
+    ];
+    for refused in refusals {
+        let mut trial = Trial::under_way();
+        trial.ask(0, [Request::Modify(modify(1))]);
+        trial.run_for(1.5);
+        let echo = refused(&trial);
+        let before = trial.now;
+        trial.vehicle.acknowledge(before, ("RMB", echo, None, AckStatus::Failed));
+        trial.run_for(0.1);
+        assert_eq!(trial.sent_since("EMB", before).len(), 1);
+        trial.ask(0, [Request::Modify(modify(2))]);
+        trial.run_for(0.5);
+        assert!(trial.rejection(2).starts_with("pause: "), "{}", trial.rejection(2));
+    }
+}
+
+#[test]
+fn sr_003_a_refusal_of_a_time_before_the_lease_does_not_end_it() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(1.5);
+    trial.ask(0, [Request::EndModify]);
+    trial.run_for(1.5);
+    trial.ask(0, [Request::Modify(modify(2))]);
+    trial.run_for(1.5);
+    let echo = modified(&trial, 0).created;
+    let before = trial.now;
+    trial.vehicle.acknowledge(before, ("RMB", echo, None, AckStatus::Failed));
+    trial.run_for(3.0);
+    assert!(trial.core.is_steering() && trial.sent_since("EMB", before).is_empty());
 }
 
 #[test]

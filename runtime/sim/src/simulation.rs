@@ -412,6 +412,7 @@ impl Simulation {
     /// # Errors
     /// [`SimError::Recorder`] if the log cannot be closed.
     pub fn finish(mut self) -> Result<(Report, Trace, Mvc), SimError> {
+        self.end_sonar_files();
         if let Some(recorder) = self.recorder.take() {
             recorder.finish()?;
         }

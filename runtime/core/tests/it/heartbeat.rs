@@ -240,11 +240,19 @@ fn sr_023_a_refusal_of_the_last_lease_also_ends_the_next_one_before_its_first_bp
     let mut trial = Trial::under_way();
     let refused = Reply::Late(Duration::from_millis(50), AckStatus::Failed);
     trial.vehicle.replies.insert("RMB", refused);
-    let step = [Request::Modify(modify(1)), Request::EndModify, Request::Modify(modify(2))];
+    let step = [
+        Request::Modify(modify(1)),
+        Request::EndModify,
+        Request::Modify(modify(2)),
+    ];
     trial.ask(0, step);
     trial.run_for(2.0);
     assert_eq!(trial.sent("RMB").len(), 1);
-    assert_eq!(trial.sent("EMB").len(), 1, "nothing is modified that a second could end");
+    assert_eq!(
+        trial.sent("EMB").len(),
+        1,
+        "nothing is modified that a second could end"
+    );
     assert_eq!(shorts(&trial.states(2)), ["ended"]);
 }
 

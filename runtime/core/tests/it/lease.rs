@@ -206,7 +206,9 @@ fn sr_003_a_refusal_of_any_time_within_the_lease_ends_it() {
         trial.run_for(1.5);
         let echo = refused(&trial);
         let before = trial.now;
-        trial.vehicle.acknowledge(before, ("RMB", echo, None, AckStatus::Failed));
+        trial
+            .vehicle
+            .acknowledge(before, ("RMB", echo, None, AckStatus::Failed));
         trial.run_for(0.1);
         assert_eq!(trial.sent_since("EMB", before).len(), 1);
         trial.ask(0, [Request::Modify(modify(2))]);
@@ -226,7 +228,9 @@ fn sr_003_a_refusal_of_a_time_before_the_lease_does_not_end_it() {
     trial.run_for(1.5);
     let echo = modified(&trial, 0).created;
     let before = trial.now;
-    trial.vehicle.acknowledge(before, ("RMB", echo, None, AckStatus::Failed));
+    trial
+        .vehicle
+        .acknowledge(before, ("RMB", echo, None, AckStatus::Failed));
     trial.run_for(3.0);
     assert!(trial.core.is_steering() && trial.sent_since("EMB", before).is_empty());
 }

@@ -254,6 +254,18 @@ impl Simulation {
         }
     }
 
+    /// The run is over. The controller's log file ends with its catalogue, as at a shutdown.
+    pub(super) fn end_sonar_files(&mut self) {
+        let Some(controller) = &mut self.controller else { return };
+        let Some(files) = &mut controller.files else { return };
+        controller.plc.shut_down(self.now);
+        while let Some(effect) = controller.plc.poll_file() {
+            if let Err((file, failure)) = files(effect) {
+                controller.plc.file_failed(self.now, file, failure);
+            }
+        }
+    }
+
     fn drain_controller(&mut self) -> Result<(), SimError> {
         let now = self.now;
         let Some(controller) = &mut self.controller else {

@@ -171,3 +171,31 @@ fn logging_follows_the_vehicle() {
     let (_, log) = fly(&alone, "3");
     assert!(begins(&log) > 0.0 && !has(&log, "logging is on"), "{:?}", told(&log));
 }
+
+/// A recording of a simulated survey is whole: it ends with its catalogue, as if the controller had been shut down.
+#[test]
+fn sim_keeps_the_recording_of_the_survey() {
+    let mission = with_sonar().edit("world.toml", "[plc]", "[plc]\nauto_start = true");
+    let folder = mission.beside("recordings");
+    let _ = Backseat::new()
+        .args(["sim", "--s7k"])
+        .arg(&folder)
+        .mission(&mission)
+        .run()
+        .exit(0);
+    let entries = std::fs::read_dir(&folder).expect("the folder is there");
+    let recordings: Vec<_> = entries
+        .map(|entry| entry.expect("the folder can be read").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "s7k"))
+        .collect();
+    let [file] = &recordings[..] else {
+        panic!("not one recording: {recordings:?}");
+    };
+    let verified = Backseat::new().args(["s7k", "verify"]).arg(file).run().exit(0);
+    assert!(verified.stdout.is_empty(), "{verified}");
+    let info = Backseat::new().args(["s7k", "info", "--json"]).arg(file).run().exit(0);
+    assert!(verified.stdout.is_empty(), "{verified}");
+    let info = info.json();
+    assert_eq!(info["catalogue"]["state"], "matches", "{info}");
+    assert!(info["records"].as_u64() > Some(1000), "{info}");
+}

@@ -23,9 +23,14 @@ impl ConvexProbe {
         for (corner, point) in given.iter_mut().zip(points) {
             *corner = vector(*point);
         }
-        // The chain ends with the first corner again: at most five entries.
-        let mut chain = [Vector::ZERO; 6];
-        let len = chain_of(&mut given[..points.len()], &mut chain);
+        let given = &mut given[..points.len()];
+        let mut chain = [Vector::ZERO; 10];
+        let mut len = chain_of(given, &mut chain);
+        if len > points.len() {
+            // The two passes of the chain disagree about a turn, which rounding can decide either way only where all
+            // points are on one line to rounding.
+            (chain[0], chain[1], len) = (given[0], given[given.len() - 1], 2);
+        }
         let mut probe = Self {
             corners: [chain[0], chain[1], chain[2], chain[3]],
             normals: [Vector::ZERO; 4],
@@ -143,8 +148,8 @@ fn crossing(a: &Segment, b: &Segment) -> Option<Vector> {
 }
 
 /// Andrew's monotone chain. Writes the corners of the convex hull, counterclockwise, to the beginning of `chain`, and
-/// returns how many there are. `chain` needs room for two entries more than there are points, if the points are
-/// numbers.
+/// returns how many there are. `chain` needs room for two entries more than twice the points: where points are on one
+/// line to rounding, or are not numbers, the two passes may disagree about turns, and a corner may be there twice.
 pub(crate) fn chain_of(points: &mut [Vector], chain: &mut [Vector]) -> usize {
     points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut count = 0;
@@ -166,4 +171,47 @@ pub(crate) fn chain_of(points: &mut [Vector], chain: &mut [Vector]) -> usize {
         push(point, lower, &mut count);
     }
     if count > 1 { count - 1 } else { count }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On one line to rounding, two of them near each other: the second pass of the chain keeps a point that the first
+    /// one has as a corner. The hunt's seed 2043944 found such a way onto a trackline.
+    #[test]
+    fn points_on_one_line_to_rounding_make_a_probe_that_holds_them_all() {
+        let lines: [[(f64, f64); 4]; 3] = [
+            [
+                (71.358_153_347_992_36, 26.014_790_480_696),
+                (-1.668_883_722_381_021, 0.042_170_165_689_374_34),
+                (-1.668_601_373_309_397_4, 0.042_270_585_280_508_73),
+                (287.664_314_055_928_4, 102.945_719_205_768_38),
+            ],
+            [
+                (-11.870_669_375_294_192, -32.803_025_897_479_17),
+                (1_057.922_467_629_955_5, -387.086_087_599_822_4),
+                (-11.872_658_548_311_48, -32.802_367_143_667_4),
+                (3_871.771_005_422_642_7, -1_318.947_435_978_394_9),
+            ],
+            [
+                (-0.470_747_883_373_104_1, 0.037_588_716_562_404_95),
+                (-1_610.793_865_246_422, -865.434_401_504_292_3),
+                (-3_116.723_063_275_262, -1_674.799_631_436_514),
+                (-0.472_185_679_655_836_97, 0.036_815_969_529_879_75),
+            ],
+        ];
+        let mut disagreed = 0;
+        for line in lines {
+            let points = line.map(|(east_m, north_m)| EastNorth::new(east_m, north_m));
+            disagreed += usize::from(chain_of(&mut points.map(vector), &mut [Vector::ZERO; 10]) > 4);
+            let probe = ConvexProbe::new(&points);
+            for point in points {
+                let at = vector(point);
+                let d2 = probe.contact(&Segment::new(at, at)).d2;
+                assert!(d2 < 1e-16, "{point:?}: {d2:e}");
+            }
+        }
+        assert!(disagreed >= 2, "{disagreed}");
+    }
 }

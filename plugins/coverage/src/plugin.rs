@@ -2,7 +2,7 @@ use backseat_sdk::sonar::coverage::{CoverageMap, MapState, NoiseFloor, PingStack
 use backseat_sdk::units::{EastNorth, LocalFrame, Position};
 use backseat_sdk::{
     Description, Event, Navigation, Outcome, Plugin, Refusal, Request, Restored, Rule, SonarEvent, SonarPing, SonarSet,
-    SonarSetting, StepInput, Topic, Trackline, Vertical, fence, log,
+    SonarSetting, StepInput, Topic, Trackline, Vertical, fence, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -385,7 +385,9 @@ impl Coverage {
                 self.count(&task);
                 self.state.flown += 1;
                 self.map.begin_line();
-                log::info!("line {number} flown: {:.1} % seen", 100.0 * self.part());
+                let seen_percent = 100.0 * self.part();
+                log::info!("line {number} flown: {seen_percent:.1} % seen");
+                measures::publish("seen", seen_percent, "%");
             }
             Turn::Again(why) => log::warn!("line {number} will be requested again: {why}"),
             Turn::Shorter(why) => log::warn!("line {number} made shorter: {why}"),

@@ -5,7 +5,7 @@
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{
     Description, FRAME_BYTES, FRAMES, Modify, Plugin, Position, Request, StationTarget, StepInput, TEXT_BYTES,
-    Trackline, Vertical, fence, log,
+    Trackline, Vertical, fence, log, measures,
 };
 use serde::Deserialize;
 use serde::de::IntoDeserializer as _;
@@ -88,6 +88,8 @@ pub enum Fault {
     Error,
     /// It logs 1,000 lines.
     LogFlood,
+    /// It publishes 1,000 values, then one that is not finite, and one under 16 KiB of name.
+    PublishFlood,
     /// It requests a message of 16 MiB.
     HugeString,
     /// Its snapshot is 2 MiB.
@@ -214,6 +216,14 @@ impl Plugin for Faulty {
                 for line in 0..1_000 {
                     log::info!("line {line}");
                 }
+                Ok(vec![self.steady()])
+            }
+            Fault::PublishFlood => {
+                for index in 0..1_000 {
+                    measures::publish("index", f64::from(index), "");
+                }
+                measures::publish("index", f64::NAN, "");
+                measures::publish(&"Name".repeat(1 << 12), 1.0, "m");
                 Ok(vec![self.steady()])
             }
             Fault::HugeString => Ok(vec![Request::Message("x".repeat(16 << 20))]),

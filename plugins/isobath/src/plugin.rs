@@ -1,6 +1,7 @@
 use backseat_sdk::units::math::wrap_180;
 use backseat_sdk::{
     Description, Event, Modify, Navigation, Outcome, Plugin, Request, State as Fate, StepInput, Vertical, fence, log,
+    measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -330,6 +331,8 @@ impl Isobath {
             Phase::Follow if off_m > LOST_M => Phase::Acquire,
             same @ (Phase::Acquire | Phase::Follow) => same,
         };
+        measures::publish("contour_offset", aim.offset_m, "m");
+        measures::publish("slope", 100.0 * seabed.slope(), "%");
         let verb = match phase {
             Phase::Acquire => "acquiring",
             Phase::Follow => "following",

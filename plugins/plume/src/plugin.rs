@@ -1,7 +1,7 @@
 use backseat_sdk::units::{EastNorth, Position};
 use backseat_sdk::{
     Ctd, Description, Event, Navigation, Outcome, Plugin, Request, Restored, StepInput, Topic, Trackcircle, Trackline,
-    Vertical, fence, log,
+    Vertical, fence, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -293,7 +293,12 @@ impl Plume {
         self.state.locate_ns = now_ns + LOCATE_NS;
         let found = locate(self.state.samples.bins(), &self.area, self.config.line_spacing_m);
         match found {
-            Some(found) => log::info!("{}", self.report(&found)),
+            Some(found) => {
+                log::info!("{}", self.report(&found));
+                measures::publish("maximum", found.amplitude, self.config.channel.unit());
+                measures::publish("maximum_east", found.centre.east_m, "m");
+                measures::publish("maximum_north", found.centre.north_m, "m");
+            }
             None if at_end => {
                 self.state.survey.stage = Stage::Done;
                 let text = format!(

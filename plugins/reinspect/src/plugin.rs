@@ -2,7 +2,7 @@ use backseat_sdk::sonar::{Detector, Look, Sightings, Verdict};
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{
     Description, Event, Outcome, Plugin, Position, Request, Restored, SonarEvent, SonarPing, StepInput, Topic, Topside,
-    Trackcircle, Transport, fence, log,
+    Trackcircle, Transport, fence, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -319,6 +319,7 @@ impl Reinspect {
             inspection.height_m
         );
         log::info!("{text}");
+        measures::publish("height", verdict.height_m, "m");
         requests.push(Request::Message(text.clone()));
         if self.config.topside {
             self.state.messages += 1;

@@ -1,4 +1,4 @@
-//! The code that `wit-bindgen` generates from the WIT world: the types, the two imports, and the export macro that
+//! The code that `wit-bindgen` generates from the WIT world: the types, the three imports, and the export macro that
 //! [`crate::export!`] wraps. Plugins use the re-exports at the crate's root instead.
 
 #![allow(

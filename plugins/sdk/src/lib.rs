@@ -45,7 +45,7 @@
 //! # A plugin's crate
 //! Start from a copy of `plugins/template`. Its `Cargo.toml` has `crate-type = ["cdylib", "rlib"]`. The first becomes
 //! the component. The second lets `cargo test` run unit tests on the host, as plain Rust. There is no runtime on the
-//! host: [`mod@log`] writes to standard error, and [`fence::check`] always returns a refusal.
+//! host: [`mod@log`] and [`measures`] write to standard error, and [`fence::check`] always returns a refusal.
 //!
 //! # Limits
 //! Each call has a budget of fuel (about one unit for each WebAssembly instruction), and each plugin a limit of memory.
@@ -102,6 +102,7 @@ mod defaults;
 pub mod exports;
 pub mod fence;
 pub mod log;
+pub mod measures;
 mod outcome;
 mod plugin;
 mod request;

@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use backseat_core::PluginSetup;
 use backseat_core::plugin::Topic;
 use backseat_fence::{Kind, Window};
 use backseat_mission::Mission;
@@ -122,6 +123,9 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             },
         );
     }
+    for line in loaded.iter().flat_map(|loaded| without_pings(&mission, &loaded.setups)) {
+        say!("warning: {line}");
+    }
     if loaded.is_some_and(|loaded| !loaded.setups.is_empty()) {
         say!(
             "compiled in {:.1} s; limits for one component: {} MiB, {} s to compile",
@@ -168,6 +172,34 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     good &= findings.is_empty();
     say!("{}", if good { "ready" } else { "not ready" });
     Ok(good)
+}
+
+/// Plugins that listen to a sonar, and get no pings of it.
+fn without_pings(mission: &Mission, setups: &[PluginSetup]) -> Vec<String> {
+    let mut lines = Vec::new();
+    let sensors = mission.file.sonar.as_ref().map_or(&[][..], |sonar| &sonar.sensor);
+    for (setup, table) in setups.iter().zip(&mission.file.plugins) {
+        for (topic, record, what) in [
+            (Topic::Sidescan, 3000, "the sidescan"),
+            (Topic::SubBottom, 3001, "the sub-bottom profiler"),
+        ] {
+            if !setup.description.topics.contains(&topic) {
+                continue;
+            }
+            let sends = |index: i32| {
+                let mut of = sensors.iter().filter(|sensor| sensor.index == index);
+                of.any(|sensor| sensor.records.contains(&record))
+            };
+            if !table.pings.iter().any(|ping| sends(ping.sensor)) {
+                lines.push(format!(
+                    "plugin {}: listens to {what}, and gets no ping: it has no [[plugin.ping]] for a [[sonar.sensor]] \
+                     with records = [{record}]",
+                    setup.name
+                ));
+            }
+        }
+    }
+    lines
 }
 
 fn print_fence(mission: &Mission) -> Result<()> {

@@ -5,6 +5,8 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::check::Check;
 use crate::explain::Explain;
+#[cfg(feature = "simulation")]
+use crate::fly::Fly;
 use crate::log::Log;
 #[cfg(feature = "simulation")]
 use crate::mvc::Mvc;
@@ -31,6 +33,17 @@ pub(crate) enum Command {
     Sim(Sim),
     /// Run a mission on a vehicle over TCP; without --arm nothing that steers is sent
     Run(Run),
+    /// Fly a mission in real time, or faster: `mvc` and `run --arm` in one, over TCP
+    ///
+    /// The runtime is the one that goes to sea, with its threads, its timers and its log. The mock vehicle flies the
+    /// plan of the mission's world.toml. Both live by one clock. Faster than real time, only the time in which both wait
+    /// is shortened: whatever is in time at --speed 1 is in time at every speed, and a computer that is too slow flies
+    /// longer.
+    ///
+    /// On a terminal a status line shows the state; elsewhere a line each ten seconds does. The flight ends some seconds
+    /// after the mission. Ctrl-C or SIGTERM ends it before; SIGUSR1 holds the plugins and SIGUSR2 releases them.
+    #[cfg(feature = "simulation")]
+    Fly(Fly),
     /// Run only the mock vehicle, for any SPI client
     ///
     /// The mock vehicle flies the front seat's plan of the mission's world.toml. It serves the Standard Payload

@@ -1,5 +1,7 @@
 //! `backseat log`: tools for the log of a run.
 
+#[cfg(feature = "simulation")]
+mod export;
 mod files;
 mod info;
 #[cfg(feature = "simulation")]
@@ -9,7 +11,7 @@ mod show;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use backseat_recorder::read;
+use backseat_recorder::{RecorderError, read};
 use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
@@ -38,6 +40,30 @@ pub(crate) enum Log {
     /// Exit code: 0 if no rule was broken, 1 if one was, 2 if a file cannot be judged.
     #[cfg(feature = "simulation")]
     Judge(judge::LogJudge),
+    /// Export a log for QGIS, Google Earth, pandas, DuckDB, MOOS and others
+    ///
+    /// A log is MCAP, which Foxglove and Lichtblick open as it is. For other programs:
+    ///
+    /// `geojson` is one file for QGIS: the track, the true track of a simulation, the fence, the plan, inserts and
+    /// requests. Each feature has the property `layer`. Positions are longitude, latitude and height, so depths are
+    /// negative.
+    ///
+    /// `kml` is the same for Google Earth, with a folder for each layer. The time slider plays the track, one position a
+    /// second at most. Everything is drawn at the surface of the sea; the coordinates and descriptions have the depths.
+    ///
+    /// `csv` and `parquet` are tables: a column for each property of a channel (`a.b` for nested ones, `a.0` for arrays
+    /// of numbers), behind `time` (UTC) and `t_s` (seconds since the start of the run). All channels go to a folder, with
+    /// `tables.json` that describes each column and its unit; one --channel goes to a file.
+    ///
+    /// `alog` is for the tools of MOOS: NAV_X, NAV_Y and so on from navigation, DESIRED_HEADING and so on while we
+    /// steer, and everything else under BACKSEAT_.
+    ///
+    /// The log of a process that was killed is exported as far as it goes. A line on standard error says where it ends,
+    /// and another where records are missing.
+    ///
+    /// Exit code: 0 if the export was written, 2 if not; nothing has changed then.
+    #[cfg(feature = "simulation")]
+    Export(export::LogExport),
 }
 
 pub(crate) fn log(command: &Log) -> Result<bool> {
@@ -46,6 +72,8 @@ pub(crate) fn log(command: &Log) -> Result<bool> {
         Log::Show(arguments) => show::show(arguments),
         #[cfg(feature = "simulation")]
         Log::Judge(arguments) => judge::judge(arguments),
+        #[cfg(feature = "simulation")]
+        Log::Export(arguments) => arguments.export(),
     }
 }
 
@@ -53,5 +81,9 @@ pub(crate) fn log(command: &Log) -> Result<bool> {
 pub(crate) use show::plugin_lines;
 
 fn read_log(path: &Path) -> Result<backseat_recorder::Log> {
-    read(path).context("expected the log of a run, written by `run` or `sim --log`")
+    match read(path) {
+        // It is the log of a run.
+        Err(error @ RecorderError::Format { .. }) => Err(error.into()),
+        log => log.context("expected the log of a run, written by `run` or `sim --log`"),
+    }
 }

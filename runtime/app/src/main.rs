@@ -11,10 +11,14 @@ mod clock;
 mod events;
 mod explain;
 mod external;
+#[cfg(feature = "simulation")]
+mod fly;
 mod helm;
 mod keeper;
 mod link;
 mod log;
+#[cfg(feature = "simulation")]
+mod map;
 #[cfg(feature = "simulation")]
 mod mvc;
 mod operator;
@@ -25,6 +29,7 @@ mod peer;
 #[cfg(feature = "simulation")]
 mod plc;
 mod plugins;
+mod rate;
 #[cfg(test)]
 mod real_time;
 mod recording;
@@ -34,6 +39,9 @@ mod service;
 #[cfg(feature = "simulation")]
 mod sim;
 mod sonar;
+#[cfg(feature = "simulation")]
+#[cfg(feature = "simulation")]
+mod sonar_settings;
 #[cfg(feature = "simulation")]
 mod speed;
 mod spi;
@@ -46,6 +54,7 @@ use std::io::IsTerminal;
 use std::panic::UnwindSafe;
 use std::process::ExitCode;
 
+use backseat_mission::with_suggestion;
 use backseat_reference::{PANICKED, UNMET, UNUSABLE};
 use clap::Parser;
 use tracing_subscriber::filter::{LevelFilter, Targets};
@@ -88,6 +97,8 @@ fn program() -> ExitCode {
         Command::Sim(arguments) => sim::sim(arguments),
         Command::Run(arguments) => run::run(arguments),
         #[cfg(feature = "simulation")]
+        Command::Fly(arguments) => fly::fly(arguments),
+        #[cfg(feature = "simulation")]
         Command::Mvc(arguments) => mvc::mvc(arguments),
         #[cfg(feature = "simulation")]
         Command::Plc(arguments) => plc::plc(arguments),
@@ -101,8 +112,8 @@ fn program() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(UNMET),
         Err(error) => {
-            // One line: what, where, what to do.
-            terminal::tell(&format!("error: {}", one_line(&error)));
+            // One line: what, where, what to do. Plugins have their own readers of their settings.
+            terminal::tell(&format!("error: {}", with_suggestion(&one_line(&error))));
             ExitCode::from(UNUSABLE)
         }
     }

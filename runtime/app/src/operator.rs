@@ -4,6 +4,7 @@ use std::io;
 
 use backseat_core::Operator;
 use tokio::signal::unix::{Signal, SignalKind, signal};
+use tokio::sync::oneshot::Receiver;
 
 pub(crate) struct Signals {
     hold: Signal,
@@ -11,6 +12,8 @@ pub(crate) struct Signals {
     interrupt: Signal,
     terminate: Signal,
     hang_up: Signal,
+    /// Ends the run as a signal would.
+    end: Option<Receiver<()>>,
 }
 
 impl Signals {
@@ -21,7 +24,15 @@ impl Signals {
             interrupt: signal(SignalKind::interrupt())?,
             terminate: signal(SignalKind::terminate())?,
             hang_up: signal(SignalKind::hangup())?,
+            end: None,
         })
+    }
+
+    /// Also stops when this is sent.
+    #[cfg(feature = "simulation")]
+    pub(crate) fn or_end(mut self, end: Receiver<()>) -> Self {
+        self.end = Some(end);
+        self
     }
 
     pub(crate) async fn next(&mut self) -> Operator {
@@ -34,6 +45,19 @@ impl Signals {
             _ = self.interrupt.recv() => Operator::Stop,
             _ = self.terminate.recv() => Operator::Stop,
             _ = self.hang_up.recv() => Operator::Stop,
+            () = sent(&mut self.end) => Operator::Stop,
         }
     }
+}
+
+/// Waits for an end that is announced; for ever where none will be.
+async fn sent(end: &mut Option<Receiver<()>>) {
+    if let Some(announced) = end {
+        let announced = announced.await;
+        *end = None;
+        if announced.is_ok() {
+            return;
+        }
+    }
+    std::future::pending().await
 }

@@ -36,6 +36,9 @@ pub(crate) async fn listen(address: &str, option: &str) -> Result<TcpListener> {
         Err(error) if error.kind() == io::ErrorKind::AddrInUse => {
             bail!("{address} is in use: stop the program that listens there, or choose another address with {option}")
         }
+        Err(error) if error.kind() == io::ErrorKind::InvalidInput => {
+            bail!("{option} {address}: expected ADDRESS:PORT, such as 127.0.0.1:7000")
+        }
         Err(error) => Err(error).with_context(|| format!("cannot listen on {address}")),
     }
 }

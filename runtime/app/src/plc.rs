@@ -30,8 +30,9 @@ pub(crate) struct Plc {
     /// Listen on this address
     #[arg(long, default_value = "127.0.0.1:7000", value_name = "ADDR:PORT")]
     pub(crate) listen: String,
-    /// Keep the controller's files in this folder: its logs, its run list, its settings. The disk of the folder takes the
-    /// place of [plc.disk] [default: files are not kept]
+    /// Keep the controller's files in this folder: its logs, and for the next start what clients saved: the run list
+    /// (command 6) and auto start (command 22). The disk of the folder takes the place of [plc.disk] [default: files are
+    /// not kept]
     #[arg(long, value_name = "DIR")]
     pub(crate) folder: Option<PathBuf>,
     /// Seed for the world, the noise and what the specification leaves open

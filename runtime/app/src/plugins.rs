@@ -10,6 +10,8 @@ use backseat_core::plugin::{FaultKind, PluginFault, PluginId, Returned, StepInpu
 use backseat_plugin_host::{Host, Plugin};
 use tokio::sync::mpsc::UnboundedSender;
 
+use crate::clock::{Clock, Working};
+
 /// Besides its fuel, a step may take this long by the wall clock before it is interrupted.
 const DEADLINE_TICKS: u64 = 100;
 const TICK: Duration = Duration::from_millis(10);
@@ -50,15 +52,18 @@ impl Steps for Plugin {
 pub(crate) struct Crew {
     orders: Vec<mpsc::Sender<Order>>,
     answers: UnboundedSender<Answer>,
+    clock: Clock,
+    /// Whose answer the loop waits for.
+    working: Vec<Option<Working>>,
 }
 
 impl Crew {
-    pub(crate) fn new(host: Host, plugins: Vec<Plugin>, answers: UnboundedSender<Answer>) -> Self {
+    pub(crate) fn new(host: Host, plugins: Vec<Plugin>, clock: Clock, answers: UnboundedSender<Answer>) -> Self {
         let bounded = plugins.into_iter().map(|mut plugin| {
             plugin.set_deadline_ticks(Some(DEADLINE_TICKS));
             Box::new(plugin) as Box<dyn Steps>
         });
-        let crew = Self::of(bounded.collect(), answers);
+        let crew = Self::of(bounded.collect(), clock, answers);
         thread::spawn(move || {
             loop {
                 crate::clock::pause(TICK);
@@ -69,8 +74,8 @@ impl Crew {
     }
 
     /// Starts a thread for each plugin.
-    pub(crate) fn of(plugins: Vec<Box<dyn Steps>>, answers: UnboundedSender<Answer>) -> Self {
-        let orders = plugins
+    pub(crate) fn of(plugins: Vec<Box<dyn Steps>>, clock: Clock, answers: UnboundedSender<Answer>) -> Self {
+        let orders: Vec<_> = plugins
             .into_iter()
             .enumerate()
             .map(|(index, plugin)| {
@@ -80,20 +85,33 @@ impl Crew {
                 sender
             })
             .collect();
-        Self { orders, answers }
+        Self {
+            working: orders.iter().map(|_| None).collect(),
+            orders,
+            answers,
+            clock,
+        }
     }
 
-    pub(crate) fn step(&self, plugin: PluginId, input: StepInput) {
+    pub(crate) fn step(&mut self, plugin: PluginId, input: StepInput) {
+        self.working[plugin.0] = Some(self.clock.working());
         let order = Order::Step(Box::new(input));
         if let Err(unsent) = self.orders[plugin.0].send(order) {
             let _closed = self.answers.send(unsent.0.lost(plugin));
         }
     }
 
-    pub(crate) fn restart(&self, plugin: PluginId) {
+    pub(crate) fn restart(&mut self, plugin: PluginId) {
+        self.working[plugin.0] = Some(self.clock.working());
         if let Err(unsent) = self.orders[plugin.0].send(Order::Restart) {
             let _closed = self.answers.send(unsent.0.lost(plugin));
         }
+    }
+
+    /// The loop has the plugin's answer.
+    pub(crate) fn answered(&mut self, answer: &Answer) {
+        let (Answer::Returned(plugin, _) | Answer::Restarted(plugin, _)) = answer;
+        self.working[plugin.0] = None;
     }
 }
 
@@ -109,6 +127,7 @@ impl Order {
                 plugin,
                 Returned {
                     fuel: 0,
+                    measures: Vec::new(),
                     log: Vec::new(),
                     result: Err(fault),
                 },
@@ -174,6 +193,7 @@ mod tests {
         fn step(&mut self, _: &StepInput) -> Returned {
             Returned {
                 fuel: 1,
+                measures: Vec::new(),
                 log: Vec::new(),
                 result: Ok(Vec::new()),
             }
@@ -200,7 +220,7 @@ mod tests {
     #[test]
     fn sr_022_a_host_that_panics_in_a_step_answers_as_a_plugin_that_failed() {
         let (sender, mut answers) = unbounded_channel();
-        let crew = Crew::of(vec![Box::new(Panics), Box::new(Idle)], sender);
+        let mut crew = Crew::of(vec![Box::new(Panics), Box::new(Idle)], Clock::start(), sender);
         let (bad, good) = (PluginId(0), PluginId(1));
         crew.step(bad, nothing());
         let Some(Answer::Returned(PluginId(0), returned)) = answers.blocking_recv() else {

@@ -2,6 +2,7 @@
 //! these tests run the loop itself and not the program.
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::thread;
 use std::time::Duration;
 
@@ -15,11 +16,12 @@ use tokio::sync::mpsc::unbounded_channel;
 
 use crate::clock::Clock;
 use crate::external::Ports;
+use crate::helm::Helm;
 use crate::keeper::Keeper;
 use crate::operator::Signals;
 use crate::plugins::{Crew, Steps};
 use crate::recording::Recording;
-use crate::run::{Around, Driver};
+use crate::run::driver::{Around, Driver, Inbox};
 
 /// The machine may be busy.
 const SOON: Duration = Duration::from_secs(30);
@@ -90,6 +92,8 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
         seed: None,
         resolved_mission: &mission.resolved,
         fence: &mission.fence_text,
+        origin: mission.envelope.fence().frame().origin(),
+        world: None,
         components: &[],
         version: "0",
     };
@@ -117,11 +121,12 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
     let (keeps, kept) = unbounded_channel();
     let (ports, heard) = Ports::open(&[]).unwrap();
     let around = Around {
-        crew: Crew::of(plugins, sender),
+        crew: Crew::of(plugins, clock, sender),
         ports,
         keeper: Keeper::panicking(keeps).unwrap(),
         recorder: Recording::to(Panics, "a log".to_owned(), &header).unwrap(),
         sonars: None,
+        helm: Helm::new(true, PathBuf::from("hold"), 1.0),
     };
     let driver = Driver::new(core, clock, vehicle.address.clone(), around, names);
 
@@ -134,7 +139,7 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
         vehicle.hears("BPRMB", steered.len() + 2, SOON);
         (worst_gap_s(&steered), held_s, ended_after_s(&vehicle, Signal::TERM))
     });
-    let driven = runtime.block_on(driver.drive(answers, kept, heard, signals));
+    let driven = runtime.block_on(driver.drive(Inbox { answers, kept }, heard, signals));
     let (gap_s, held_s, ended_s) = operator.join().expect("the loop steered, held, released and ended");
     assert!(driven.is_ok(), "{driven:?}");
     assert!(gap_s < 2.5, "{gap_s:.3} s without a modify");

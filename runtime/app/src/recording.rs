@@ -97,7 +97,8 @@ impl Recording {
         })
     }
 
-    /// Runs `act` to record something, where there is room for it.
+    /// Runs `act` to record something of the time `now`, where there is room for it. A gap gets this time too: it comes
+    /// before what is recorded.
     pub(crate) fn record(
         &mut self,
         now: Timestamp,
@@ -222,7 +223,7 @@ impl Drop for Queue {
 #[cfg(test)]
 mod tests {
     use backseat_recorder::{Rate, Record, parse};
-    use backseat_units::Utc;
+    use backseat_units::{Position, Utc};
 
     use super::*;
 
@@ -274,6 +275,8 @@ mod tests {
             seed: None,
             resolved_mission: "",
             fence: "{}",
+            origin: Position::from_deg(42.0, -70.0).unwrap(),
+            world: None,
             components: &[],
             version: "0",
         }

@@ -68,6 +68,20 @@ impl Recording {
     }
 }
 
+/// The recordings that a command reads as one.
+#[derive(Debug, Args)]
+pub(crate) struct Recordings {
+    /// The recording (.s7k); several files of one recording are read as one, in the order of their times
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+}
+
+impl Recordings {
+    fn open(&self) -> Result<Source, Error> {
+        Source::join(&self.files)
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct S7kInfo {
     #[command(flatten)]
@@ -100,7 +114,7 @@ pub(crate) struct S7kVerify {
 #[derive(Debug, Args)]
 pub(crate) struct S7kCut {
     #[command(flatten)]
-    recording: Recording,
+    recordings: Recordings,
     /// Write to this file; it is replaced if it exists, once the new one is complete
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -157,7 +171,7 @@ pub(crate) fn s7k(command: &S7k) -> Result<bool> {
             }
         }
         S7k::Cut(arguments) => {
-            let source = arguments.recording.open()?;
+            let source = arguments.recordings.open()?;
             if let Some(done) = finished(cut(&source, &arguments.selected.selection(), &arguments.out))? {
                 tell(&done);
             }

@@ -1,9 +1,11 @@
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use backseat_mission::Mission;
-use backseat_plc::FileFailure;
+use backseat_plc::{FileFailure, PlcConfig};
 use backseat_plugin_host::Host;
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder, read};
@@ -17,8 +19,10 @@ use tracing::{Level, enabled, info, warn};
 use crate::cli::MissionArguments;
 use crate::clock::{Clock, pause};
 use crate::log::plugin_lines;
+use crate::map::open;
 use crate::output::say;
 use crate::plc::disk::{Files, Folder, file_of};
+use crate::sonar_settings::beyond_sonar;
 use crate::speed::Speed;
 use crate::surroundings::{beyond_limits, beyond_vehicle};
 use crate::terminal::tell;
@@ -39,7 +43,11 @@ pub(crate) struct Sim {
     /// Draw a map of the run into this file
     #[arg(long, value_name = "FILE.svg")]
     pub(crate) map: Option<PathBuf>,
-    /// Keep the files of the sonars' payload controller in this folder: its logs, and its run list
+    /// Open the map when it is drawn
+    #[arg(long, requires = "map")]
+    pub(crate) open: bool,
+    /// Keep the files of the sonars' payload controller in this folder: its logs, and its run list. The folder must
+    /// have no recordings yet
     #[arg(long, value_name = "DIR")]
     pub(crate) s7k: Option<PathBuf>,
     /// Run this many times faster than real time, or `max`
@@ -72,6 +80,9 @@ impl Drop for Passing {
 pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
     let scenario = Scenario::load(&mission)?;
+    if arguments.s7k.is_some() {
+        controller_of(&scenario)?;
+    }
     let faults = arguments.faults.as_deref().map(read_faults).transpose()?;
     let loading = Clock::start();
     let host = Host::new()?;
@@ -91,6 +102,8 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
                 seed: Some(arguments.seed),
                 resolved_mission: &mission.resolved,
                 fence: &mission.fence_text,
+                origin: mission.envelope.fence().frame().origin(),
+                world: Some(&scenario.text),
                 components: &loaded.components,
                 version: env!("CARGO_PKG_VERSION"),
             },
@@ -114,15 +127,17 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let flying = Clock::start();
     let mut simulation = Simulation::new(&mission, &scenario, arguments.seed, loaded, recorder)?;
     beyond.extend(beyond_limits(&mission, &scenario, simulation.world()));
+    beyond.extend(beyond_sonar(&mission, &scenario));
     for line in &beyond {
         warn!("{line}");
     }
     if let Some(plan) = faults {
         simulation.set_faults(plan);
     }
-    if let Some(folder) = &arguments.s7k {
-        keep_files(&mut simulation, &scenario, folder)?;
-    }
+    let failed_files = match &arguments.s7k {
+        Some(folder) => keep_files(&mut simulation, &scenario, folder)?,
+        None => FailedFiles::default(),
+    };
     let progress = progress_bar(arguments.json);
     match arguments.speed {
         Speed::Max => simulation.run(|simulation| show(&progress, simulation, &flying))?,
@@ -143,32 +158,71 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     if let Some(path) = &arguments.map {
         let picture = survey_map(&mission, &scenario, &report, &trace, &mvc);
         std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
+        if arguments.open {
+            open(path);
+        }
     }
     if arguments.json {
         say!("{}", serde_json::to_string(&report)?);
     } else {
         print_report(&report, arguments)?;
     }
-    Ok(report.passed())
+    let failed_files = failed_files.borrow();
+    if let Some(first) = failed_files.first() {
+        tell(&format!(
+            "the recording is not whole: {} files could not be written, the first one {first}",
+            failed_files.len()
+        ));
+    }
+    Ok(report.passed() && failed_files.is_empty())
+}
+
+/// What could not be written, one line each.
+type FailedFiles = Rc<RefCell<Vec<String>>>;
+
+/// The payload controller whose files are to be kept.
+///
+/// # Errors
+///
+/// If the mission has none.
+fn controller_of(scenario: &Scenario) -> Result<&PlcConfig> {
+    scenario.plc.as_ref().with_context(|| {
+        format!(
+            "--s7k: {} has no [plc], so no payload controller records anything: add [plc] to it",
+            scenario.path.display()
+        )
+    })
 }
 
 /// Has the payload controller's files written into a folder.
-fn keep_files(simulation: &mut Simulation, scenario: &Scenario, folder: &Path) -> Result<()> {
-    let Some(plc) = &scenario.plc else {
+///
+/// # Errors
+///
+/// In one line, if the folder cannot be used or has recordings.
+fn keep_files(simulation: &mut Simulation, scenario: &Scenario, folder: &Path) -> Result<FailedFiles> {
+    let plc = controller_of(scenario)?;
+    let opened = Folder::open(folder, &plc.logging.folder)?;
+    // A simulation begins at the same time whenever it runs, so its files have the names of the run before.
+    if let Some(other) = opened.logs()?.first() {
         bail!(
-            "{}: no [plc]: there is no payload controller whose files could be kept",
-            scenario.path.display()
+            "--s7k {}: the folder has recordings of another run ({}): give an empty folder",
+            folder.display(),
+            other.name
         );
-    };
-    let mut files = Files::new(Folder::open(folder, &plc.logging.folder)?);
+    }
+    let mut files = Files::new(opened);
+    let failed = Rc::new(RefCell::new(Vec::new()));
+    let lines = Rc::clone(&failed);
     simulation.set_sonar_files(Box::new(move |effect| {
         let file = file_of(&effect);
         files.carry_out(effect).map_err(|(error, path)| {
-            warn!("{}: {error}", path.display());
+            let line = format!("{}: {error}", path.display());
+            warn!("{line}");
+            lines.borrow_mut().push(line);
             (file, FileFailure::from(&error))
         })
     }));
-    Ok(())
+    Ok(failed)
 }
 
 /// Runs no faster than a multiple of real time.
@@ -230,14 +284,8 @@ fn print_report(report: &Report, arguments: &Sim) -> Result<()> {
         "  {:.0} x life ({wall_seconds:.2} s, and {load_seconds:.2} s to load plugins)",
         sim_seconds / wall_seconds.max(1e-9)
     );
-    say!(
-        "  requests: {} proposed, {} rejected, {} sent, {} accepted, {} failed",
-        requests.proposed,
-        requests.rejected,
-        requests.sent,
-        requests.accepted,
-        requests.failed
-    );
+    say!("  requests: {requests}");
+    say!("  control: {}", report.control);
     if report.faults > 0 {
         say!("  {} faults", report.faults);
     }
@@ -245,7 +293,19 @@ fn print_report(report: &Report, arguments: &Sim) -> Result<()> {
         say!("    rejected {reason}");
     }
     for (plugin, count) in &report.plugin_failures {
-        say!("  plugin {plugin} failed {count} times; the log says how");
+        let times = if *count == 1 {
+            "once"
+        } else {
+            &format!("{count} times, first")
+        };
+        match report.plugin_first_failures.get(plugin) {
+            Some(first) => say!(
+                "  plugin {plugin} failed {times} at {:.1} s: {}",
+                first.at_s,
+                first.text
+            ),
+            None => say!("  plugin {plugin} failed {times}"),
+        }
     }
     for measured in report.measured() {
         say!("  {measured}");

@@ -147,17 +147,18 @@ impl Server {
     }
 
     fn serve(mut self, mut wishes: Receiver<Wish>, reports: &Sender<FromSonar>) -> std::io::Result<()> {
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        runtime.block_on(async {
+        let clock = self.clock;
+        let runtime = clock.runtime()?;
+        clock.block_on(&runtime, async {
             let mut buffer = vec![0; 64 * 1024];
             self.carry_out_all();
             while !self.finished {
                 let wake = [self.bridge.poll_timeout(), self.link.write_deadline()];
                 let wake = wake.into_iter().flatten().min();
-                let instant = self.clock.instant(wake.unwrap_or(backseat_units::Timestamp::MAX));
+                let wake = wake.unwrap_or(backseat_units::Timestamp::MAX);
                 tokio::select! {
                     biased;
-                    () = tokio::time::sleep_until(instant) => self.handle(Input::Timeout),
+                    () = clock.sleep_until(wake) => self.handle(Input::Timeout),
                     wish = wishes.recv() => match wish {
                         Some(Wish::Tell(wish)) => self.bridge.tell(self.clock.now(), wish),
                         Some(Wish::UtcSet(by_nanos)) => self.handle(Input::UtcSet(by_nanos)),

@@ -5,9 +5,14 @@ use std::io::{self, BufWriter, IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use backseat_spi_tools::{Address, Connection, Decoding, Error, Form, Listing, Subscription, View, connect};
+use backseat_recorder::{LoggedInput, Record};
+use backseat_spi_tools::{
+    Address, Connection, Decoding, Error, Form, Listing, Subscription, Traffic, View, connect, decode_traffic,
+};
 use clap::{Args, Subcommand};
 use tokio::signal::unix::{SignalKind, signal};
+
+use crate::terminal::tell;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Spi {
@@ -16,9 +21,9 @@ pub(crate) enum Spi {
     /// Each row has the message's name, its section in SPI 1.12a, its sender, its title, and its fields with unit and
     /// range.
     List(SpiList),
-    /// Decode a recording: one line or JSON object for each sentence
+    /// Decode a recording or the log of a run: one line or JSON object for each sentence
     ///
-    /// The recording may hold any bytes: sentences of both directions, any line ends, text in front of a `$`, broken
+    /// A recording may hold any bytes: sentences of both directions, any line ends, text in front of a `$`, broken
     /// lines. A sentence begins with `$` and a name. Every sentence is shown; one that cannot be read is shown with its
     /// error. Other bytes (noise, lines over 4352 bytes) are counted, and the counts are printed on standard error at
     /// the end.
@@ -27,6 +32,10 @@ pub(crate) enum Spi {
     /// fields that `backseat spi list` describes, or `error`, with the `line` of the input. A sentence with a wrong
     /// checksum has an `error` that gives the right checksum, because any of its values may be wrong; --ignore-checksum
     /// decodes it nevertheless.
+    ///
+    /// The log of a run (.mcap, by `run` or `sim --log`) has the bytes of both directions, and its sentences are shown in
+    /// its order. Each has the seconds since the start of the run in front, with --json in `received_s`, at which its last
+    /// byte was read or written.
     ///
     /// Exit code: 0 even if some sentences were faulty, 2 if the input cannot be read.
     Decode(SpiDecode),
@@ -59,7 +68,8 @@ pub(crate) struct SpiList {
 
 #[derive(Debug, Args)]
 pub(crate) struct SpiDecode {
-    /// The recording, or - for standard input
+    /// The recording or log, or - for standard input
+    #[arg(default_value = "-")]
     pub(crate) file: PathBuf,
     /// Print a JSON object for each sentence, one a line
     #[arg(long)]
@@ -120,12 +130,73 @@ fn decode(arguments: &SpiDecode) -> Result<bool> {
         form: form(arguments.json),
         ignore_checksum: arguments.ignore_checksum,
     };
-    let input = open(&arguments.file)?;
+    let mut input = open(&arguments.file)?;
+    let start = start(&mut input).with_context(|| place(&arguments.file))?;
+    if start == LOG {
+        return decode_log(input, &arguments.file, decoding);
+    }
+    let input = start.as_slice().chain(input);
     let done = finished(backseat_spi_tools::decode(input, decoding, &mut io::stdout().lock()));
     if let Some(tally) = done.with_context(|| place(&arguments.file))? {
-        crate::terminal::tell(&tally.to_string());
+        tell(&tally.to_string());
     }
     Ok(true)
+}
+
+/// With these bytes a log begins, and no recording that has a sentence at its start (<https://mcap.dev/spec#magic>).
+const LOG: &[u8] = b"\x89MCAP0\r\n";
+
+/// The first bytes of an input, as many as show that it is no log: one, for a live pipe.
+fn start(input: &mut impl Read) -> io::Result<Vec<u8>> {
+    let mut start = Vec::new();
+    while start.len() < LOG.len() && LOG.starts_with(&start) {
+        let wanted = LOG.len() - start.len();
+        let mut more = [0; LOG.len()];
+        match input.read(&mut more[..wanted]) {
+            Ok(0) => break,
+            Ok(read) => start.extend_from_slice(&more[..read]),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(start)
+}
+
+/// Decodes the link's bytes in a log.
+fn decode_log(mut input: impl Read, file: &Path, decoding: Decoding) -> Result<bool> {
+    let mut bytes = LOG.to_vec();
+    input.read_to_end(&mut bytes).with_context(|| place(file))?;
+    let log = backseat_recorder::parse(&bytes).with_context(|| place(file))?;
+    drop(bytes);
+    let traffic = log
+        .entries
+        .iter()
+        .filter_map(|entry| traffic(entry.now.as_secs_f64(), &entry.record));
+    let done = finished(decode_traffic(traffic, decoding, &mut io::stdout().lock()))?;
+    if let Some(tally) = done {
+        if !log.complete {
+            tell("cut short: the log does not end properly, and its last sentences may be missing");
+        }
+        tell(&tally.to_string());
+    }
+    Ok(true)
+}
+
+fn traffic(at_s: f64, record: &Record) -> Option<Traffic<'_>> {
+    match record {
+        Record::Input(LoggedInput::Received(bytes)) => Some(Traffic::FromVehicle { at_s, bytes }),
+        Record::Sent(bytes) => Some(Traffic::ToVehicle { at_s, bytes }),
+        Record::Input(LoggedInput::LinkDown) | Record::Gap { .. } => Some(Traffic::Break { at_s }),
+        Record::Start(_)
+        | Record::Input(_)
+        | Record::Output(_)
+        | Record::Note(_)
+        | Record::Request(_)
+        | Record::Control(_)
+        | Record::Navigation(_)
+        | Record::Truth(_)
+        | Record::Vehicle(_) => None,
+    }
 }
 
 fn watch(arguments: &SpiConnect) -> Result<bool> {
@@ -156,7 +227,7 @@ fn watch(arguments: &SpiConnect) -> Result<bool> {
         };
         anyhow::Ok(connect(&connection, stop, &mut io::stdout()).await?)
     })?;
-    crate::terminal::tell(&watched.summary.to_string());
+    tell(&watched.summary.to_string());
     Ok(watched.heard)
 }
 

@@ -3,12 +3,14 @@
 
 use backseat_fence::Fence;
 use backseat_mission::{Mission, beyond_class};
-use backseat_mvc::WorldFile;
+use backseat_mvc::{ControlWindow, WorldFile};
 use backseat_scenario::Scenario;
-use backseat_units::math::hypot;
+use backseat_units::math::{hypot, wrap_180};
 use backseat_units::{EastNorth, LocalFrame};
 use backseat_world::World;
 
+/// A fence that is farther than this from the simulation's origin, degrees, is another place's.
+const FAR_DEG: f64 = 1.0;
 /// How many places are looked at in each direction across the fence.
 const PLACES: u32 = 60;
 /// A limit that is exceeded by less is met: limits are written with few digits.
@@ -17,7 +19,10 @@ const TOLERANCE: f64 = 1e-3;
 /// What is beyond the limits in the world of this seed, one line each.
 pub(crate) fn beyond_limits(mission: &Mission, scenario: &Scenario, world: &World) -> Vec<String> {
     let (limits, file) = (&mission.file.limits, &scenario.world);
-    let mut lines = Vec::new();
+    let mut lines: Vec<String> = never_in_control(file)
+        .into_iter()
+        .chain(far_from_fence(mission, file))
+        .collect();
     let mut over = |what: &str, value: f64, key: &str, limit: f64| {
         if value > limit + TOLERANCE {
             lines.push(format!("world: {what}, limits.{key} is {limit}"));
@@ -70,6 +75,40 @@ pub(crate) fn beyond_limits(mission: &Mission, scenario: &Scenario, world: &Worl
         }
     }
     lines
+}
+
+/// Whether the vehicle never gives control, so that plugins can do nothing.
+fn never_in_control(file: &WorldFile) -> Option<String> {
+    let never = file.mission.control == ControlWindow::Plan && !file.plan.iter().any(|element| element.dynamic);
+    never.then(|| {
+        "world: no [[plan]] has dynamic = true, so the vehicle never gives control, and plugins can steer nothing"
+            .to_owned()
+    })
+}
+
+/// Whether the simulated vehicle is nowhere near the fence.
+fn far_from_fence(mission: &Mission, file: &WorldFile) -> Option<String> {
+    let degrees = |frame: &LocalFrame| {
+        let origin = frame.origin();
+        (origin.latitude.as_deg(), origin.longitude.as_deg())
+    };
+    let fence = degrees(mission.envelope.fence().frame());
+    let world = degrees(&file.world_config().frame().ok()?);
+    let near = |latitude_deg: f64, longitude_deg: f64| {
+        (latitude_deg - world.0).abs() < FAR_DEG && wrap_180(longitude_deg - world.1).abs() < FAR_DEG
+    };
+    if near(fence.0, fence.1) {
+        return None;
+    }
+    let why = if near(fence.1, fence.0) {
+        "latitude and longitude are swapped in one of them (GeoJSON has longitude first)"
+    } else {
+        "the vehicle is nowhere near its fence"
+    };
+    Some(format!(
+        "world: [origin] is at latitude {:.3} longitude {:.3}, and the fence around latitude {:.3} longitude {:.3}: {why}",
+        world.0, world.1, fence.0, fence.1
+    ))
 }
 
 /// What the simulated vehicle cannot do although the limits expect it, one line each.

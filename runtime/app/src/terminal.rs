@@ -14,6 +14,8 @@ const LINES_MAX: usize = 1024;
 /// How long the end of the program waits until all lines are written.
 const FAREWELL: Duration = Duration::from_millis(200);
 
+#[cfg(feature = "simulation")]
+static SHARED: OnceLock<indicatif::ProgressBar> = OnceLock::new();
 static TERMINAL: OnceLock<Terminal> = OnceLock::new();
 
 /// The queue.
@@ -71,8 +73,32 @@ pub(crate) fn finish() {
     }
 }
 
+/// Lines stand above this status line from now on.
+#[cfg(feature = "simulation")]
+pub(crate) fn share(bar: &indicatif::ProgressBar) {
+    // There is one status line at most.
+    let _first = SHARED.set(bar.clone());
+}
+
 fn terminal() -> &'static Terminal {
-    TERMINAL.get_or_init(|| Terminal::new(io::stderr()))
+    TERMINAL.get_or_init(|| Terminal::new(Screen))
+}
+
+/// Standard error, perhaps with a status line at its foot.
+struct Screen;
+
+impl Write for Screen {
+    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
+        #[cfg(feature = "simulation")]
+        if let Some(bar) = SHARED.get().filter(|bar| !bar.is_finished()) {
+            return bar.suspend(|| io::stderr().write(line));
+        }
+        io::stderr().write(line)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        io::stderr().flush()
+    }
 }
 
 fn put(line: Vec<u8>) {

@@ -26,6 +26,7 @@ use crate::mutations::{Check, is_on};
 use crate::operator::Orders;
 use crate::plugin::Event;
 use crate::recovery::Whereabouts;
+use crate::refusal::Uncontrolled;
 use crate::session::Session;
 use crate::session::commands::Answer;
 use crate::settings::{PluginSetup, Settings};
@@ -127,6 +128,16 @@ impl Core {
     #[must_use]
     pub fn request_counts(&self) -> RequestCounts {
         self.cx.ledger.counts()
+    }
+
+    /// Why no request can be sent now; `None` if control is ours.
+    #[must_use]
+    pub fn uncontrolled(&self) -> Option<Uncontrolled> {
+        if self.has_control() {
+            return None;
+        }
+        // Control is judged anew at the next input. Until then a reason may be gone that still holds.
+        Some(self.cx.lost_because().unwrap_or(Uncontrolled::NavigationUnsteady))
     }
 
     /// Whether requests can be sent now.

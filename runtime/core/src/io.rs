@@ -11,7 +11,7 @@ use crate::ended::Ended;
 use crate::ledger::Transition;
 use crate::order::Order;
 use crate::owner::{ExternalId, Owner};
-use crate::plugin::{LogLine, PluginFault, PluginId, RequestState, Returned, StepInput};
+use crate::plugin::{LogLine, Measure, PluginFault, PluginId, RequestState, Returned, StepInput};
 use crate::refusal::Uncontrolled;
 
 pub use sonar::{FromSonar, SonarOrder, SonarOutcome, SonarRates, ToSonar};
@@ -192,6 +192,13 @@ pub enum Note {
         /// The line.
         line: LogLine,
     },
+    /// A value that a plugin published.
+    PluginMeasure {
+        /// Whose.
+        plugin: PluginId,
+        /// The value.
+        measure: Measure,
+    },
     /// An act of the operator.
     Operator {
         /// The act.
@@ -296,6 +303,10 @@ impl fmt::Display for Told<'_> {
             }
             N::PluginRestarted { plugin } => write!(f, "{} works again", who(plugin)),
             N::PluginLog { plugin, line } => write!(f, "{} says: {}", who(plugin), line.text),
+            N::PluginMeasure { plugin, measure } => {
+                let Measure { name, value, unit } = measure;
+                write!(f, "{} publishes {name} = {value} {unit}", who(plugin))
+            }
             N::Operator { act } => write!(f, "operator: {act:?}"),
             N::Sonar { text } => write!(f, "sonar: {text}"),
             N::Late { seconds } => write!(f, "woke {seconds:.3} s late"),

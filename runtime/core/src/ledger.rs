@@ -1,3 +1,4 @@
+mod counts;
 pub(crate) mod schedule;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -6,6 +7,8 @@ use backseat_spi::BehaviorId;
 use backseat_units::Timestamp;
 use serde::{Deserialize, Serialize};
 
+pub use crate::ledger::counts::RequestCounts;
+use crate::ledger::counts::Standing;
 use crate::ledger::schedule::Schedule;
 use crate::monitor::envelope::Insert;
 use crate::owner::Owner;
@@ -82,21 +85,6 @@ impl RequestKind {
     }
 }
 
-/// The numbers of requests by state. A request counts once in `proposed`, and once in each state that it reached.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct RequestCounts {
-    /// Asked for by plugins, the operator, policies and external sources.
-    pub proposed: u64,
-    /// Refused before they were sent.
-    pub rejected: u64,
-    /// Written to the link.
-    pub sent: u64,
-    /// Accepted by the vehicle.
-    pub accepted: u64,
-    /// Refused by the vehicle, or never answered.
-    pub failed: u64,
-}
-
 /// A request that has not ended.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
@@ -122,6 +110,8 @@ pub(crate) struct Entry {
     pub(crate) not_queued: bool,
     /// The vehicle may have dropped this insert: it has flown another dive since, or has refused to cancel it.
     pub(crate) may_be_gone: bool,
+    /// As what the request counts.
+    standing: Standing,
 }
 
 impl Entry {
@@ -170,7 +160,7 @@ impl Ledger {
     /// Enters a request, and returns its number.
     pub(crate) fn propose(&mut self, owner: impl Into<Owner>, tag: u64, kind: RequestKind) -> u64 {
         self.last += 1;
-        self.counts.proposed += 1;
+        self.counts.propose();
         let entry = Entry {
             owner: owner.into(),
             tag,
@@ -184,6 +174,7 @@ impl Ledger {
             sent_at: Timestamp::ZERO,
             not_queued: false,
             may_be_gone: false,
+            standing: Standing::Waiting,
         };
         self.open.insert(self.last, entry);
         self.last
@@ -365,18 +356,7 @@ impl Ledger {
         if !may_follow(&entry.state, &to, entry.is_open_insert()) {
             return None;
         }
-        match &to {
-            RequestState::Rejected(_) => self.counts.rejected += 1,
-            RequestState::Sent => self.counts.sent += 1,
-            RequestState::Accepted if entry.state != RequestState::Unknown => self.counts.accepted += 1,
-            RequestState::Failed(_) | RequestState::TimedOut => self.counts.failed += 1,
-            RequestState::Accepted
-            | RequestState::Pending
-            | RequestState::Unknown
-            | RequestState::Started
-            | RequestState::Ended(_)
-            | RequestState::Cancelled => {}
-        }
+        entry.standing = self.counts.count(entry.standing, &to);
         entry.state = to.clone();
         let transition = Transition {
             request,
@@ -481,10 +461,9 @@ mod tests {
             ledger.counts(),
             RequestCounts {
                 proposed: 1,
-                rejected: 0,
                 sent: 1,
-                accepted: 0,
-                failed: 1
+                failed: 1,
+                ..RequestCounts::default()
             }
         );
         assert_eq!(ledger.iter().count(), 0);

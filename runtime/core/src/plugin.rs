@@ -262,8 +262,22 @@ pub struct Returned {
     pub fuel: u64,
     /// Lines that the plugin logged.
     pub log: Vec<LogLine>,
+    /// Values that it published, oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub measures: Vec<Measure>,
     /// What it asks for, or how it failed.
     pub result: Result<Vec<Request>, PluginFault>,
+}
+
+/// A value that a plugin published. Core passes it on to the log and does nothing else with it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measure {
+    /// 1 to 48 of a-z, 0-9 and _.
+    pub name: String,
+    /// Finite.
+    pub value: f64,
+    /// At most 16 bytes; may be empty.
+    pub unit: String,
 }
 
 /// A plugin's line in the log.

@@ -11,7 +11,7 @@ pub use backseat_fence::{EdgePlace, Rule as ZoneRule, ZoneBreach};
 use serde::{Deserialize, Serialize};
 
 pub use boxes::{BoxBreach, BoxEdge, Stretch};
-pub use figure::{Figure, FigureBreach};
+pub use figure::{Figure, FigureBreach, NotFinite};
 pub use reason::{Reason, Uncontrolled};
 
 use crate::monitor::limits::Grant;

@@ -14,8 +14,9 @@ mod file;
 mod mission;
 mod plan;
 mod predive;
-mod renamed;
+mod set;
 mod sonar;
+mod unknown;
 
 pub use component::find_component;
 pub use error::MissionError;
@@ -25,3 +26,4 @@ pub use file::{BudgetTable, MissionFile, PlanTable, PluginTable, VehicleTable};
 pub use mission::{Layers, Mission};
 pub use plan::FrontSeatPlan;
 pub use predive::{Dive, beyond_class};
+pub use unknown::with_suggestion;

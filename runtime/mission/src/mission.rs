@@ -13,8 +13,9 @@ use crate::external::{ExternalTable, check_externals};
 use crate::fence;
 use crate::file::{MissionFile, PluginTable, VehicleTable};
 use crate::plan::{self, FrontSeatPlan};
-use crate::renamed::with_new_name;
+use crate::set;
 use crate::sonar::check_sonar;
+use crate::unknown::with_new_name;
 
 /// The layers over `mission.toml`.
 #[derive(Clone, Debug, Default)]
@@ -153,6 +154,7 @@ impl Mission {
 }
 
 fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, MissionError> {
+    let text = &set::plugins(text, &layers.set)?;
     let mut builder = Config::builder().add_source(File::from_str(text, FileFormat::Toml));
     let mut names = vec![path.display().to_string()];
     if layers.environment {
@@ -165,34 +167,9 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
         names.push("the environment's BACKSEAT__*".to_owned());
     }
     for set in &layers.set {
-        let Some((key, value)) = set.split_once('=') else {
-            return Err(MissionError::Layer {
-                layer: format!("--set {set}"),
-                message: "expected KEY=VALUE, such as limits.speed_max_mps=1.8".to_owned(),
-            });
-        };
-        if key.trim().split(['.', '[']).next() == Some("plugin") {
-            return Err(MissionError::Layer {
-                layer: format!("--set {set}"),
-                message: "--set cannot reach the keys of a [[plugin]], because a mission may have several: edit \
-                          mission.toml, or a copy of it"
-                    .to_owned(),
-            });
+        if let Some(line) = set::line(set)? {
+            builder = builder.add_source(File::from_str(&line, FileFormat::Toml));
         }
-        // Read as TOML where it is valid TOML, so that 1.8 is a number and true a boolean; otherwise as text.
-        let line = format!("{key} = {value}");
-        let line = if toml::from_str::<toml::Table>(&line).is_ok() {
-            line
-        } else {
-            format!("{key} = {value:?}")
-        };
-        if toml::from_str::<toml::Table>(&line).is_err() {
-            return Err(MissionError::Layer {
-                layer: format!("--set {set}"),
-                message: format!("invalid key `{key}`: expected names joined by dots"),
-            });
-        }
-        builder = builder.add_source(File::from_str(&line, FileFormat::Toml));
         names.push(format!("--set {set}"));
     }
     let over = |error: config::ConfigError| MissionError::Layer {

@@ -19,4 +19,6 @@ pub(crate) struct Estimate {
     /// The movement in the last step, without the heading's error: as the Doppler log and the inertial system measure
     /// it along the vehicle's own axes.
     pub(crate) way: EastNorth,
+    /// Distance from the inspected side of the ship, metres, if the DVL is turned to it and measures it.
+    pub(crate) ship_m: Option<f64>,
 }

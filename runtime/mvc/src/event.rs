@@ -84,6 +84,8 @@ pub enum MvcEventKind {
     BehaviorEnded(Behavior, EndReason),
     /// A payload began to modify the current behavior, or changed the values of its modify.
     Modify(ClientId, ModifyValues),
+    /// A payload's modify was refused, and why. There is one event for all repetitions.
+    ModifyRefused(ClientId, &'static str),
     /// The modify ended.
     ModifyEnded(ModifyEnd),
     /// An insert was added to the plan.
@@ -181,6 +183,7 @@ impl fmt::Display for MvcEventKind {
             Self::BehaviorBegan(behavior) => write!(f, "{behavior} began"),
             Self::BehaviorEnded(behavior, reason) => write!(f, "{behavior} ended: {reason}"),
             Self::Modify(client, values) => write!(f, "{client} modifies the behavior: {values}"),
+            Self::ModifyRefused(client, why) => write!(f, "modify of {client} refused: {why}"),
             Self::ModifyEnded(why) => write!(f, "modify ended: {why}"),
             Self::InsertAccepted(client, id) => write!(f, "insert {id} of {client} accepted"),
             Self::InsertRefused(client, id, why) => write!(f, "insert {id} of {client} refused: {why}"),

@@ -1,4 +1,5 @@
 mod another_dive;
+mod clipping;
 mod ending;
 mod ending_commands;
 mod flow;
@@ -19,7 +20,7 @@ use backseat_spi::{BehaviorId, Text};
 use backseat_units::{EastNorth, Timestamp};
 
 use crate::estimate::Estimate;
-use crate::event::{Behavior, CancelCause, EndReason, ModifyEnd, MvcEventKind, Source, Status};
+use crate::event::{Behavior, CancelCause, ClientId, EndReason, ModifyEnd, MvcEventKind, Source, Status};
 use crate::file::{ControlWindow, MissionConfig, ModifyLimit, VehicleConfig, WrapUp};
 use crate::interpretation::Interpretation;
 use crate::plan::course::{Course, SURFACED_M};
@@ -72,6 +73,8 @@ pub(crate) struct Executive {
     /// How long the running behavior has been under a modify.
     modified: Duration,
     modify_barred: bool,
+    /// The last modify that was refused, unless one has been accepted since.
+    modify_refused: Option<(ClientId, &'static str)>,
     control: bool,
     /// Control is denied, whatever the plan allows.
     control_denied: bool,
@@ -97,7 +100,7 @@ struct Running {
     began: Timestamp,
     timeout: Option<Duration>,
     insert: Option<Insert>,
-    /// The text for the payload when a trackline's lead-in begins and its lead-out ends.
+    /// The text for the payload when a trackline's lead-in or a trackcircle begins, and when its lead-out or it ends.
     message: Option<PayloadText>,
     /// Whether the payload has been told to log.
     logging: bool,
@@ -148,6 +151,7 @@ impl Executive {
             modify: None,
             modified: Duration::ZERO,
             modify_barred: false,
+            modify_refused: None,
             control: false,
             control_denied: false,
         }

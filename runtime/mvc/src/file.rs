@@ -29,15 +29,15 @@ pub use acoustic::{AcousticConfig, AcousticDevice, PeerConfig, PeerPacket};
 pub use adjustment::AdjustmentConfig;
 pub use dvl::{DvlTriggerConfig, LineFault};
 pub use expect::{
-    ContactsExpectation, ContourExpectation, CoverageExpectation, Expectations, MaximumExpectation, SidescanName,
-    TargetKinds,
+    ContactsExpectation, ContourExpectation, CoverageExpectation, Expectations, MaximumExpectation, MeasureExpectation,
+    SidescanName, TargetKinds,
 };
 pub use faults::{DirectionName, FaultEntry, FaultFile, FaultName, SensorName, StageName};
 pub use hovering::{HoveringConfig, ShipConfig, ShipSide};
 pub use interpretation::{
     Acknowledged, AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame,
-    HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyFins,
-    TrackcircleLayout, UnackedFrames,
+    HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyEmptyMode,
+    ModifyFins, TrackcircleLayout, UnackedFrames,
 };
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use mission_command::MissionCommandConfig;
@@ -299,6 +299,7 @@ impl WorldFile {
         self.acoustic.validate()?;
         self.expect.coverage.map_or(Ok(()), |coverage| coverage.check())?;
         self.expect.contacts.map_or(Ok(()), |contacts| contacts.check())?;
+        self.expect.measure.iter().try_for_each(MeasureExpectation::check)?;
         let (most_s, tick_s) = (self.spi.pending_s.most(), 1.0 / f64::from(self.vehicle.tick_hz));
         let expected = "2 s less one step of the vehicle: requests are decided at a step, within 2 s";
         check(most_s <= 2.0 - tick_s + 1e-9, "spi.pending_s", most_s, expected)?;

@@ -2,8 +2,8 @@ use backseat_world::Stream;
 
 use crate::file::{
     Acknowledged, AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame,
-    HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyFins,
-    TrackcircleLayout, UnackedFrames,
+    HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyEmptyMode,
+    ModifyFins, TrackcircleLayout, UnackedFrames,
 };
 
 /// How this run reads what the specification leaves open: the `[interpretation]` section after the seed's draws.
@@ -24,7 +24,7 @@ pub struct Interpretation {
     /// Whether inserts wait for the next trackline or trackcircle of the plan; otherwise they follow the current
     /// behavior, whatever it is.
     pub inserts_at_legs: bool,
-    /// Whether the vehicle sends BFBDL and BFSDL for inserted tracklines too.
+    /// Whether the vehicle sends BFBDL and BFSDL for inserted tracklines and trackcircles too.
     pub insert_logging: bool,
     /// Whether BPRCN cancels the insert of any client; otherwise only one of the client that asks.
     pub cancel_any: bool,
@@ -38,6 +38,8 @@ pub struct Interpretation {
     /// Whether the rudder and elevator of BPRMB are added to the behavior's own steering; otherwise the vehicle holds
     /// these angles.
     pub fins_change: bool,
+    /// What a value of BPRMB is if the field for its mode is empty.
+    pub empty_mode: EmptyMode,
     /// Whether BPSUS needs dynamic requests to be allowed; a suspension then ends with them.
     pub suspend_needs_control: bool,
     /// From where the mission goes on after a suspension.
@@ -73,6 +75,17 @@ pub enum CircleLayout {
     Table,
     /// Without an entry angle.
     Header,
+}
+
+/// What a value of BPRMB is if the field for its mode is empty (SPI 7.12).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EmptyMode {
+    /// What it is in the current behavior.
+    Behavior,
+    /// As with the mode 0.
+    Zero,
+    /// Refused.
+    Refused,
 }
 
 fn chosen(choice: Choice<bool>, drawn: bool) -> bool {
@@ -124,6 +137,12 @@ impl Interpretation {
             share if share < 2.0 / 3.0 => CircleLayout::Table,
             _ => CircleLayout::Header,
         };
+        let mut modify = Stream::new(seed, "interpretation of modifies");
+        let empty_mode = match modify.uniform() {
+            share if share < 1.0 / 3.0 => EmptyMode::Behavior,
+            share if share < 2.0 / 3.0 => EmptyMode::Zero,
+            _ => EmptyMode::Refused,
+        };
         Self {
             inserts_fly_on: match config.inserts_after_control {
                 InsertsAfterControl::Fly => true,
@@ -172,6 +191,12 @@ impl Interpretation {
                 ModifyFins::Absolute => false,
                 ModifyFins::Change => true,
                 ModifyFins::Seed => later[6],
+            },
+            empty_mode: match config.modify_empty_mode {
+                ModifyEmptyMode::Behavior => EmptyMode::Behavior,
+                ModifyEmptyMode::Zero => EmptyMode::Zero,
+                ModifyEmptyMode::Refuse => EmptyMode::Refused,
+                ModifyEmptyMode::Seed => empty_mode,
             },
             suspend_needs_control: match config.suspend_needs_control {
                 Choice::Fixed(needs) => needs,
@@ -250,6 +275,7 @@ mod tests {
             modify_survives: Choice::Seed,
             modify_beyond: ModifyBeyond::Seed,
             modify_fins: ModifyFins::Seed,
+            modify_empty_mode: ModifyEmptyMode::Seed,
             suspend_needs_control: Choice::Seed,
             after_suspension: AfterSuspension::Seed,
             hull_vertical: HullVertical::Seed,
@@ -266,6 +292,9 @@ mod tests {
         let both = |of: fn(&Interpretation) -> bool| drawn.iter().any(of) && !drawn.iter().all(of);
         assert!(both(|i| i.inserts_fly_on) && both(|i| i.resume) && both(|i| i.control_replay));
         assert!(both(|i| i.suspend_needs_control) && both(|i| i.hull_vertical_up));
+        for mode in [EmptyMode::Behavior, EmptyMode::Zero, EmptyMode::Refused] {
+            assert!(drawn.iter().any(|i| i.empty_mode == mode), "{mode:?}");
+        }
         for from in [ResumeFrom::Behavior, ResumeFrom::SuspensionPoint, ResumeFrom::Here] {
             assert!(drawn.iter().any(|i| i.resume_from == from), "{from:?}");
         }

@@ -54,11 +54,11 @@ pub use file::{
     ControlWindow, CoverageExpectation, DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations,
     FaultEntry, FaultFile, FaultName, FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig,
     InsConfig, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation,
-    MissionCommandConfig, MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket,
-    PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SidescanName,
-    SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TargetKinds, TelemetryConfig,
-    TopsideConfig, TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile,
-    WrapUp,
+    MeasureExpectation, MissionCommandConfig, MissionConfig, ModifyBeyond, ModifyEmptyMode, ModifyFins, ModifyLimit,
+    MotionModel, PeerConfig, PeerPacket, PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName,
+    ShipConfig, ShipSide, SidescanName, SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig,
+    TargetKinds, TelemetryConfig, TopsideConfig, TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig,
+    WithoutLock, WithoutRole, WorldFile, WrapUp,
 };
 pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};

@@ -109,7 +109,7 @@ pub(crate) struct PlanItem {
     /// From when to when, counted from the element's begin, dynamic requests are allowed; `None` if they never are.
     pub(crate) dynamic: Option<(Duration, Duration)>,
     pub(crate) timeout: Option<Duration>,
-    /// The text for the payload: of a command, or of a trackline.
+    /// The text for the payload: of a command, or of a trackline or trackcircle.
     pub(crate) message: Option<PayloadText>,
 }
 

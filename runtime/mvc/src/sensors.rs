@@ -32,6 +32,18 @@ use crate::vehicle::{Demand, Drive, HoverDemand, Turn, Vehicle};
 
 use self::solution::FixOutcome;
 
+/// What triggers the DVL (SPI 7.4).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Trigger {
+    /// The DVL itself, at its own rate.
+    #[default]
+    Internal,
+    /// Pulses on the payload's line, so many seconds apart; `None`: at the DVL's own rate.
+    Pulses(Option<f64>),
+    /// Nothing: it waits for a pulse and measures nothing.
+    Nothing,
+}
+
 /// Velocity towards the frame's east and north, metres a second.
 type EastNorthRate = (f64, f64);
 
@@ -70,7 +82,6 @@ pub(crate) struct Sensors {
 struct Rates {
     ground: EastNorthRate,
     heave_mps: f64,
-    yaw_rate_dps: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -98,7 +109,13 @@ impl Sensors {
             motion: Noise::new(seed, "dead reckoning"),
             report: Noise::new(seed, "navigation"),
             solution: Solution::new(&config, dt_s, vehicle, seed),
-            dvl: Dvl::new(&config, 3600.0 / dt_s, vehicle.performance().hovers, seed),
+            dvl: Dvl::new(
+                &config,
+                3600.0 / dt_s,
+                vehicle.performance().hovers,
+                file.hovering.range_max_m,
+                seed,
+            ),
             compasses: Compasses::new(&config.compass, seed),
             imu: Imu::new(&config.imu, seed),
             tailcone: Tailcone::new(&config.tailcone, seed),
@@ -131,6 +148,7 @@ impl Sensors {
             current: (velocity.0 - water.0, velocity.1 - water.1),
             heading_bias_deg: self.solution.heading_bias_deg,
             way: self.solution.own_way(),
+            ship_m: self.dvl.ship_m,
         }
     }
 
@@ -170,6 +188,16 @@ impl Sensors {
     /// Whether the DVL has bottom lock.
     pub(crate) const fn has_bottom_lock(&self) -> bool {
         self.dvl.lock
+    }
+
+    /// Sets what triggers the DVL in this step.
+    pub(crate) fn trigger_dvl(&mut self, trigger: Trigger) {
+        self.dvl.waits = trigger == Trigger::Nothing;
+        let own_s = self.config.dvl.period_s;
+        self.schedules.trigger_dvl_every(match trigger {
+            Trigger::Internal | Trigger::Nothing | Trigger::Pulses(None) => own_s,
+            Trigger::Pulses(Some(period_s)) => period_s,
+        });
     }
 
     /// Turns the DVL to this angle, degrees above the horizontal.
@@ -241,7 +269,6 @@ impl Sensors {
         self.now = Rates {
             ground: vehicle.motion().ground,
             heave_mps: vehicle.motion().heave_mps,
-            yaw_rate_dps: vehicle.motion().yaw_rate_dps,
         };
         if !self.failed.depth {
             self.depth_m = vehicle.motion().depth_m + self.depth_error_m;

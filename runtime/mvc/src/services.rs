@@ -11,7 +11,6 @@ mod times;
 mod topside;
 
 use backseat_spi::SilentMode;
-use backseat_units::Timestamp;
 use backseat_world::World;
 
 use self::acoustic::Acoustic;
@@ -48,14 +47,14 @@ impl Services {
             dvl_trigger: DvlTrigger::new(file),
             hovering: Hovering::new(file, world, vehicle, seed),
             power: Power::new(file, seed),
-            silence: Silence::new(file, seed),
+            silence: Silence::new(file, vehicle, seed),
             topside: Topside::new(file),
         }
     }
 
     /// How quiet the vehicle is.
-    pub(crate) fn quiet(&self, now: Timestamp) -> Quiet {
-        self.silence.quiet(now)
+    pub(crate) fn quiet(&self, vehicle: &Vehicle) -> Quiet {
+        self.silence.quiet(vehicle)
     }
 
     /// Handles the end of a connection. The vehicle still decides about its requests, but no longer answers them.
@@ -81,7 +80,7 @@ impl Services {
     pub(crate) fn step(&mut self, ctx: &mut Context<'_>) -> bool {
         let (silence, mut devices) = self.silence_and_devices();
         silence.step(ctx, &mut devices);
-        ctx.quiet = self.quiet(ctx.now);
+        ctx.quiet = self.quiet(ctx.vehicle);
         self.adjustment.step(ctx);
         self.power.step(ctx)
     }

@@ -6,6 +6,7 @@ mod motion;
 pub(crate) mod performance;
 pub(crate) mod ship;
 pub(crate) mod sixdof;
+mod tailcone;
 
 use backseat_units::math::{asin, sin, sin_cos, wrap_180, wrap_360};
 use backseat_units::{EastNorth, Timestamp};
@@ -13,7 +14,8 @@ use backseat_world::World;
 
 use self::lags::Lags;
 use self::performance::Performance;
-use self::sixdof::Piloted;
+use self::sixdof::{Actuators, Piloted};
+use self::tailcone::SpinDown;
 
 pub(crate) use self::demand::{Demand, Drive, HoverDemand, Turn, Vertical};
 pub(crate) use self::hover::Obstacle;
@@ -49,6 +51,7 @@ pub(crate) struct Vehicle {
     /// How fast it floats up when adrift, as a share of the buoyant rise of its class. A command can adjust its
     /// buoyancy (SPI 7.24).
     rise_share: f64,
+    spin_down: SpinDown,
     /// The body with six degrees of freedom, if it replaces the first-order model.
     piloted: Option<Box<Piloted>>,
 }
@@ -62,17 +65,20 @@ impl Vehicle {
         heading_deg: f64,
     ) -> Self {
         let heading_deg = wrap_360(heading_deg);
+        let mut motion = Motion::at_rest(at, depth_m, heading_deg);
+        motion.tail = (!performance.hovers).then(Tail::default);
         Self {
             performance,
             altitude_min_m,
             pitch_max_sin: sin(performance.pitch_max_deg.to_radians()),
             lags: Lags::of(&performance, 1.0),
             obstacle: None,
-            motion: Motion::at_rest(at, depth_m, heading_deg),
+            motion,
             float_mps: 0.0,
             carried_by: (0.0, 0.0),
             axis: sin_cos(heading_deg.to_radians()),
             rise_share: 1.0,
+            spin_down: SpinDown::new(),
             piloted: None,
         }
     }
@@ -204,6 +210,7 @@ impl Vehicle {
         (self.motion.surge_mps, self.motion.sway_mps) = (0.0, 0.0);
         (self.motion.heave_mps, self.motion.yaw_rate_dps) = (0.0, 0.0);
         (self.motion.ground, self.carried_by) = ((0.0, 0.0), (0.0, 0.0));
+        self.motion.tail = self.motion.tail.map(|_| Tail::default());
     }
 
     /// If the water's velocity changes, the vehicle's inertia keeps its velocity over ground at first.
@@ -221,6 +228,8 @@ impl Vehicle {
     fn drift(&mut self, dt_s: f64) {
         self.surge(0.0, dt_s);
         self.settle_sway();
+        let lags = self.lags;
+        self.turn_tail(Actuators::default(), &lags);
         let most_dps = self.performance.turn_max_dps(self.motion.surge_mps);
         self.motion.yaw_rate_dps -= self.motion.yaw_rate_dps * self.lags.yaw;
         self.motion.yaw_rate_dps = self.motion.yaw_rate_dps.clamp(-most_dps, most_dps);
@@ -240,6 +249,7 @@ impl Vehicle {
             Throttle::Rpm(rpm) => performance.speed_mps(rpm),
         };
         let speed_mps = speed_mps.clamp(performance.speed_min_mps, performance.speed_max_mps);
+        let ordered_mps = speed_mps;
         let before_mps = self.motion.surge_mps;
         self.surge(speed_mps, dt_s);
         self.settle_sway();
@@ -255,7 +265,10 @@ impl Vehicle {
         let speed_mps = self.motion.surge_mps + (self.motion.surge_mps - before_mps) * self.lags.pitch_steps;
         let steepest = self.pitch_max_sin;
         let rise = (self.float_mps - wanted_mps) / speed_mps.max(PITCHES_FROM_MPS);
-        self.pitch(asin(rise.clamp(-steepest, steepest)).to_degrees(), dt_s);
+        let pitch_deg = asin(rise.clamp(-steepest, steepest)).to_degrees();
+        let (ordered, lags) = (self.orders(demand, ordered_mps, wanted_mps, pitch_deg), self.lags);
+        self.turn_tail(ordered, &lags);
+        self.pitch(pitch_deg, dt_s);
     }
 
     fn yaw(&mut self, turn: Turn) {

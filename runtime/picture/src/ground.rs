@@ -134,16 +134,17 @@ fn colour(palette: Palette, at: f64) -> String {
         [160.0, 199.0, 221.0],
         [112.0, 164.0, 199.0],
     ];
-    // Viridis (van der Walt and Smith, 2015) from its yellow end, lightened by half.
-    const FIELD: [[f64; 3]; 4] = [
-        [252.0, 250.0, 222.0],
-        [208.0, 234.0, 176.0],
-        [148.0, 207.0, 178.0],
-        [122.0, 170.0, 190.0],
+    // Cold is blue and warm is red, through a pale middle, so that a colour-blind reader sees both ends.
+    const FIELD: [[f64; 3]; 5] = [
+        [128.0, 172.0, 214.0],
+        [190.0, 214.0, 234.0],
+        [248.0, 243.0, 232.0],
+        [246.0, 203.0, 180.0],
+        [233.0, 146.0, 132.0],
     ];
-    let stops = match palette {
-        Palette::Depth => DEPTH,
-        Palette::Field => FIELD,
+    let stops: &[[f64; 3]] = match palette {
+        Palette::Depth => &DEPTH,
+        Palette::Field => &FIELD,
     };
     let at = at.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
     let index = (at as usize).min(stops.len() - 2);
@@ -153,4 +154,30 @@ fn colour(palette: Palette, at: f64) -> String {
         (a + along * (b - a)).round() as u8
     };
     format!("#{:02x}{:02x}{:02x}", part(0), part(1), part(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Red, green and blue.
+    fn parts(palette: Palette, at: f64) -> [u8; 3] {
+        let text = colour(palette, at);
+        [1, 3, 5].map(|from| u8::from_str_radix(&text[from..from + 2], 16).unwrap())
+    }
+
+    #[test]
+    fn warm_is_red_and_cold_is_blue_and_depth_stays_blue() {
+        let ([red, _, blue], [warm_red, _, warm_blue]) = (parts(Palette::Field, 0.0), parts(Palette::Field, 1.0));
+        assert!(blue > red + 50 && warm_red > warm_blue + 50);
+        let balance = |at: u32| {
+            let [red, _, blue] = parts(Palette::Field, f64::from(at) / 20.0);
+            i16::from(red) - i16::from(blue)
+        };
+        for at in 0..20 {
+            assert!(balance(at) <= balance(at + 1), "warmer is never bluer: {at}");
+            let [red, _, blue] = parts(Palette::Depth, f64::from(at) / 20.0);
+            assert!(blue > red, "depth is blue: {at}");
+        }
+    }
 }

@@ -69,7 +69,7 @@ pub enum Palette {
     /// Blue, darker for greater values; for depth.
     #[default]
     Depth,
-    /// Yellow to green, darker for greater values; for any other quantity.
+    /// Blue for small values, red for great ones; for what is measured in the water, where high is warm.
     Field,
 }
 

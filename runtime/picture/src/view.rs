@@ -13,6 +13,7 @@ const MAP_WIDTH: f64 = 860.0;
 /// Captions wrap at this width, pixels.
 const CAPTION_WIDTH: f64 = WIDTH - MAP_LEFT - 28.0;
 const CAPTION_LINE: f64 = 18.0;
+const CAPTION_SIZE: f64 = 13.0;
 
 /// The page: which part of the frame is in view, and where.
 pub(crate) struct View {
@@ -144,7 +145,7 @@ impl View {
             canvas.around(text(
                 (self.map_left, y),
                 line,
-                &[("class", &"caption"), ("font-size", &"13")],
+                &[("class", &"caption"), ("font-size", &CAPTION_SIZE)],
             ));
         }
     }
@@ -273,29 +274,59 @@ fn fitted(content: &str, size: f64) -> String {
     cut
 }
 
+/// The lines of a caption. They break between measures, so that a measure's name, its value and its unit stay together.
 fn wrapped(content: &str) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
+    let mut lines: Vec<String> = Vec::new();
+    for part in measures(content).iter().flat_map(|measure| parts(measure)) {
+        match lines.last_mut() {
+            Some(line) if fits(&format!("{line} {part}")) => {
+                line.push(' ');
+                line.push_str(&part);
+            }
+            Some(_) | None => lines.push(fitted(&part, CAPTION_SIZE)),
+        }
+    }
+    lines
+}
+
+/// The measures of a caption with the dots and commas that end them.
+fn measures(content: &str) -> Vec<String> {
+    let mut measures: Vec<String> = Vec::new();
+    let mut begins = true;
     for word in content.split_whitespace() {
+        let is_dot = word == "\u{b7}";
+        match measures.last_mut() {
+            Some(measure) if !begins || is_dot => {
+                measure.push(' ');
+                measure.push_str(word);
+            }
+            Some(_) | None => measures.push(word.to_owned()),
+        }
+        begins = is_dot || word.ends_with(',');
+    }
+    measures
+}
+
+/// A measure, in pieces if it is longer than a line. Even then a figure stays with its unit.
+fn parts(measure: &str) -> Vec<String> {
+    if fits(measure) {
+        return vec![measure.to_owned()];
+    }
+    let mut words: Vec<String> = Vec::new();
+    for word in measure.split(' ') {
         match words.last_mut() {
-            // A figure stays on the line of its unit.
             Some(figure) if figure.parse::<f64>().is_ok() => {
                 figure.push(' ');
                 figure.push_str(word);
             }
-            _ => words.push(word.to_owned()),
+            Some(_) | None => words.push(word.to_owned()),
         }
     }
-    let mut lines: Vec<String> = Vec::new();
-    for word in &words {
-        match lines.last_mut() {
-            Some(line) if text_width(line, 13.0) + text_width(word, 13.0) + 8.0 <= CAPTION_WIDTH => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(fitted(word, 13.0)),
-        }
-    }
-    lines
+    words
+}
+
+fn fits(line: &str) -> bool {
+    text_width(line, CAPTION_SIZE) <= CAPTION_WIDTH
 }
 
 #[cfg(test)]
@@ -303,11 +334,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_figure_stays_with_its_unit() {
-        let caption = "contour followed 1521.0 s, ".repeat(30);
-        let lines = wrapped(&caption);
+    fn a_caption_breaks_at_measures_only() {
+        for end in [" \u{b7} ", ", "] {
+            let caption = [
+                "contour followed 1521.0 s",
+                "contour rms 1.8 m",
+                "violations: 0",
+                "plume way 6267.1 m",
+            ];
+            let caption = caption.join(end).repeat(9).replace("mc", &format!("m{end}c"));
+            let lines = wrapped(&caption);
+            assert!(lines.len() > 2, "{lines:?}");
+            for line in &lines {
+                let begins = ["contour followed ", "contour rms ", "violations: ", "plume way "];
+                assert!(begins.iter().any(|name| line.starts_with(name)), "{lines:?}");
+            }
+            assert_eq!(lines.join(" "), caption, "no word is lost");
+        }
+    }
+
+    #[test]
+    fn a_measure_that_is_longer_than_a_line_still_keeps_figures_with_their_units() {
+        let lines = wrapped(&"and then 1521.0 s of it ".repeat(30));
         assert!(lines.len() > 2, "{lines:?}");
-        assert!(lines.iter().all(|line| !line.starts_with("s,")), "{lines:?}");
+        assert!(
+            lines
+                .iter()
+                .all(|line| !line.starts_with("s ") && !line.ends_with(".0")),
+            "{lines:?}"
+        );
     }
 
     #[test]

@@ -73,7 +73,7 @@ pub struct PlanElement {
     pub dynamic: Option<(Duration, Duration)>,
     /// The behavior ends by itself after this time.
     pub timeout: Option<Duration>,
-    /// The text to the payload: a command, or a trackline's message.
+    /// The text to the payload: a command, or the message of a trackline or trackcircle.
     pub message: Option<PayloadText>,
 }
 
@@ -233,14 +233,20 @@ fn vertical(entry: &PlanEntry, vehicle: &VehicleLimits) -> Result<PlannedVertica
 }
 
 fn speed_mps(entry: &PlanEntry, vehicle: &VehicleLimits) -> Result<f64, String> {
-    // A vehicle that does not move never completes a line. A setpoint ends by time, so a hovering vehicle may stay in
-    // place for it.
-    let least = if entry.kind == PlanKind::Setpoint {
-        vehicle.speed_min_mps
-    } else {
-        vehicle.speed_min_mps.max(0.05)
-    };
-    number_in(entry, "speed_mps", entry.speed_mps, least, vehicle.speed_max_mps)
+    // A vehicle that does not move never completes a line. A setpoint ends by time, so a vehicle may stop for it.
+    let stops = entry.kind == PlanKind::Setpoint;
+    if stops && entry.speed_mps == Some(0.0) {
+        return Ok(0.0);
+    }
+    let least = vehicle.speed_min_mps.max(if stops { 0.0 } else { 0.05 });
+    let checked = number_in(entry, "speed_mps", entry.speed_mps, least, vehicle.speed_max_mps);
+    checked.map_err(|fault| {
+        if stops && least > 0.0 {
+            format!("{fault}, or 0")
+        } else {
+            fault
+        }
+    })
 }
 
 /// Checks that a command has neither depth nor speed, because it moves nothing.
@@ -327,10 +333,9 @@ fn refuse_foreign_keys(entry: &PlanEntry) -> Result<(), String> {
         ("heading_deg", entry.heading_deg.is_some(), PlanKind::Setpoint),
         ("duration_s", entry.duration_s.is_some(), PlanKind::Setpoint),
         ("lead_in_m", entry.lead_in_m.is_some(), PlanKind::Trackline),
-        ("payload_message", entry.payload_message.is_some(), PlanKind::Trackline),
         ("text", entry.text.is_some(), PlanKind::Command),
     ];
-    let optional = ["entry_angle_deg", "lead_in_m", "payload_message"];
+    let optional = ["entry_angle_deg", "lead_in_m"];
     // Missing keys are reported first, because they are the usual cause of a key too many.
     for (key, present, of) in keys {
         if !present && of == kind && !optional.contains(&key) {
@@ -342,8 +347,13 @@ fn refuse_foreign_keys(entry: &PlanEntry) -> Result<(), String> {
             return Err(format!("a {} has no `{key}`", kind_name(kind)));
         }
     }
-    if entry.separate_transit && !matches!(kind, PlanKind::Trackline | PlanKind::Trackcircle) {
-        return Err(format!("a {} has no `separate_transit`", kind_name(kind)));
+    for (key, present) in [
+        ("separate_transit", entry.separate_transit),
+        ("payload_message", entry.payload_message.is_some()),
+    ] {
+        if present && !matches!(kind, PlanKind::Trackline | PlanKind::Trackcircle) {
+            return Err(format!("a {} has no `{key}`", kind_name(kind)));
+        }
     }
     Ok(())
 }

@@ -28,8 +28,8 @@ pub struct PlanEntry {
     pub duration_s: Option<f64>,
     /// `trackline`: length of the lead-in before and of the lead-out after the line, metres, 0 to 500; 0 if missing.
     pub lead_in_m: Option<f64>,
-    /// `trackline`: the payload logs data along this line. The vehicle sends BFBDL with this text where the lead-in
-    /// begins (SPI 5.3), and BFSDL after the lead-out (SPI 5.4).
+    /// `trackline`, `trackcircle`: the text of BFBDL where the lead-in or the circle begins (SPI 5.3), and of BFSDL
+    /// after the lead-out or the circle (SPI 5.4); an empty one if missing.
     pub payload_message: Option<String>,
     /// `trackline`, `trackcircle`: the way to its beginning is a separate behavior, a waypoint, with its own number in
     /// the dive file. BPRCB ends one behavior, BPRCE the element with both (SPI 7.10, 7.11).
@@ -37,14 +37,15 @@ pub struct PlanEntry {
     pub separate_transit: bool,
     /// `command`: the text that BFMSC carries (SPI 5.1).
     pub text: Option<String>,
-    /// `command`, or a `trackline` with a `payload_message`: the role of the client that receives the text (SPI 4.1);
+    /// `command`, or any element with a `payload_message`: the role of the client that receives the text (SPI 4.1);
     /// every client if missing.
     pub role: Option<String>,
     /// Depth, metres. Every element except a command has this or `altitude_m`.
     pub depth_m: Option<f64>,
     /// Altitude above the seabed, metres.
     pub altitude_m: Option<f64>,
-    /// Speed through the water, metres a second. Every element except a command has it.
+    /// Speed through the water, metres a second. Every element except a command has it. For a setpoint it may be 0:
+    /// then the vehicle stops, and one that does not hover floats up slowly.
     pub speed_mps: Option<f64>,
     /// Whether dynamic requests are allowed while this is the current planned element (`allowDynamicRequests`).
     #[serde(default)]

@@ -10,6 +10,7 @@ use backseat_units::Timestamp;
 
 use crate::faults::{FaultEdge, FaultKind};
 use crate::logging::{FileFailure, FilePlace};
+use crate::server::Ignored;
 use crate::sonar::SensorKind;
 
 /// A client of the controller. The driver numbers the connections. The number is the client index of alarms 10, 11 and
@@ -32,6 +33,9 @@ pub enum DropReason {
     ShutDown,
     /// A fault closes links.
     Fault,
+    /// It sent a record that says that it has more bytes than are dropped for one: where its next record begins is not
+    /// known.
+    Astray,
 }
 
 impl fmt::Display for DropReason {
@@ -40,6 +44,7 @@ impl fmt::Display for DropReason {
             Self::TooMany => "too many clients",
             Self::ShutDown => "the controller is shut down",
             Self::Fault => "a fault closes links",
+            Self::Astray => "one of its records claims a length that no record has",
         })
     }
 }
@@ -111,10 +116,8 @@ pub enum PlcEventKind {
     Ignored {
         /// The client.
         client: ClientId,
-        /// Bytes that are no record.
-        bytes: u64,
-        /// Records with a wrong checksum, or that are not what their type says, or that no client sends.
-        records: u64,
+        /// What, by cause.
+        what: Box<Ignored>,
     },
     /// Records for a client were lost since the last event about them, because it does not read.
     Lost {
@@ -167,9 +170,7 @@ impl fmt::Display for PlcEventKind {
             Self::Raised(alarm) => write!(f, "alarm {} active: {}", alarm.name(), AlarmText(alarm)),
             Self::Cleared(alarm) => write!(f, "alarm {} over", alarm.name()),
             Self::Warned(alarm) => write!(f, "alarm {}: {}", alarm.name(), AlarmText(alarm)),
-            Self::Ignored { client, bytes, records } => {
-                write!(f, "{client}: ignored {bytes} bytes and {records} records")
-            }
+            Self::Ignored { client, what } => write!(f, "{client}: ignored {what}"),
             Self::Lost { client, records } => write!(f, "{client} does not read: {records} records lost"),
             Self::SensorStarting(index, kind) => write!(f, "sensor {index} ({kind}) starts"),
             Self::SensorStarted(index, kind) => write!(f, "sensor {index} ({kind}) works"),

@@ -77,4 +77,5 @@ pub use interpretation::{
 pub use logging::{FileEffect, FileFailure, FileId, FilePlace};
 pub use navigation::Reported;
 pub use plc::{Plc, Stored};
+pub use server::Ignored;
 pub use sonar::{Ping, Pose, Pulse, SensorKind, Sonar};

@@ -132,12 +132,16 @@ pub(crate) struct Logger {
     recorder_version: Chars<16>,
     session: [u64; 2],
     series: u64,
+    /// The record as it stands in the file, to keep its memory.
+    scratch: Vec<u8>,
 }
 
 impl Logger {
-    pub(crate) fn new(config: &PlcConfig, seed: u64) -> Self {
+    /// `utc` is the start of the run: runs with one seed have files and a session of their own, as long as they do not
+    /// start at the same time.
+    pub(crate) fn new(config: &PlcConfig, seed: u64, utc: Utc) -> Self {
         let bytes = |mb: f64| (mb * MEGABYTE as f64) as u64;
-        let mut stream = Stream::new(seed, "plc session");
+        let mut stream = Stream::new(seed ^ scattered(utc.as_unix_nanos()), "plc session");
         Self {
             disk: Disk::new(
                 config.logging.folder.clone(),
@@ -151,6 +155,7 @@ impl Logger {
             recorder_version: Chars::new(&config.version).unwrap_or_default(),
             session: [stream.next_u64(), stream.next_u64()],
             series: 0,
+            scratch: Vec::new(),
         }
     }
 
@@ -196,6 +201,14 @@ impl Logger {
         Some((file, place, length))
     }
 
+    /// The file that is open, or else the one that the next record begins, and its length, bytes; `None` while logging is
+    /// off.
+    pub(crate) fn place(&self) -> Option<(FilePlace, u64)> {
+        let next = self.disk.place(self.writer.as_ref()?.next_name());
+        let current = self.current().map(|(_, place, length)| (place, length));
+        Some(current.unwrap_or((next, 0)))
+    }
+
     pub(crate) fn poll(&self) -> Option<FileEffect> {
         self.disk.poll()
     }
@@ -225,7 +238,12 @@ impl Logger {
     /// Writes a record; the error says why logging cannot go on.
     pub(crate) fn write(&mut self, frame: &Frame<'_>) -> Result<(), FileFailure> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
-        writer.write(frame).map_err(|error| FileFailure::from(&error))
+        self.scratch.clear();
+        frame.write_recorded(&mut self.scratch);
+        // It is the same frame but for a flag.
+        let recorded = Frame::read(&self.scratch, usize::MAX);
+        let written = writer.write(recorded.as_ref().unwrap_or(frame));
+        written.map_err(|error| FileFailure::from(&error))
     }
 
     /// The command "switch": ends the file, and names the next. `None` is "Auto". False if the name was used.
@@ -331,7 +349,14 @@ impl Logger {
     }
 }
 
-/// Whether a client may name a file so.
+/// Numbers that differ in few bits become numbers that differ in many: the last step of the generator SplitMix64.
+const fn scattered(number: u64) -> u64 {
+    let number = (number ^ (number >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let number = (number ^ (number >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    number ^ (number >> 31)
+}
+
+/// Whether a client may name a file so. A comma would begin another parameter (2.5).
 pub(crate) fn is_file_name(name: &str) -> bool {
-    is_plain_text(name) && !name.contains(['/', '\\', ':', '*', '?', '"', '<', '>', '|']) && !name.starts_with('.')
+    is_plain_text(name) && !name.contains([',', '/', '\\', ':', '*', '?', '"', '<', '>', '|']) && !name.starts_with('.')
 }

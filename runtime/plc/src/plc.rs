@@ -1,11 +1,13 @@
 //! The controller as a whole: it passes each input to the part that handles it.
 
+mod admission;
 mod commands;
 mod faults;
 mod logging;
 mod steps;
 
 use core::time::Duration;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 
 use backseat_s7k::plc::{PlcVersion, Status};
@@ -116,7 +118,7 @@ impl Plc {
         let mut plc = Self {
             server: Server::new(config, reading, seed, utc),
             suite: Suite::new(config, seed),
-            logger: Logger::new(config, seed),
+            logger: Logger::new(config, seed, utc),
             navigation: Navigation::new(config.sound_speed_mps, config.bluefin_checksum.checksum()),
             faults: Timeline::new(config.plan()?),
             reading,
@@ -184,6 +186,12 @@ impl Plc {
                     Received::Command(request) => self.command(now, client, &request),
                     Received::Other(bytes) => self.route(now, client, &bytes),
                 }
+            }
+            if self.server.clients.is_astray(client) {
+                // Nothing tells any more where its records begin: it may connect again.
+                self.server.report(now, client);
+                self.server.cut_off(now, client, DropReason::Astray);
+                return;
             }
         }
         self.server.report(now, client);
@@ -321,23 +329,29 @@ impl Plc {
             .sensor(index)
             .map(|sensor| (sensor.kind, sensor.is_running(), sensor.silent_since));
         let fault = match target {
-            None => "no sensor is set for messages",
-            Some((_, false, _)) => "the sensor has not started",
-            Some((_, true, Some(_))) => "the sensor does not respond",
+            None => Cow::Borrowed("no sensor is set for messages"),
+            Some((_, false, _)) => Cow::Borrowed("the sensor has not started"),
+            Some((_, true, Some(_))) => Cow::Borrowed("the sensor does not respond"),
             Some((SensorKind::Bluefin, true, None)) => match Record::read(&frame) {
-                Ok(Record::Bluefin(record)) => {
-                    self.navigation.take(now, &record);
-                    self.vehicle_data(now, index, &record);
-                    return;
-                }
-                Ok(_) => "the sensor takes records 3100 only",
+                Ok(Record::Bluefin(record)) => match record.check() {
+                    Ok(()) => {
+                        self.navigation.take(now, &record);
+                        self.vehicle_data(now, index, &record);
+                        return;
+                    }
+                    Err(fault) => {
+                        self.server.clients.count_ignored(client);
+                        Cow::Owned(fault.to_string())
+                    }
+                },
+                Ok(_) => Cow::Borrowed("the sensor takes records 3100 only"),
                 Err(_) => {
                     self.server.clients.count_ignored(client);
-                    "the record cannot be read"
+                    Cow::Borrowed("the record cannot be read")
                 }
             },
             Some((SensorKind::SubBottom | SensorKind::SidescanLow | SensorKind::SidescanHigh, true, None)) => {
-                "the sensor takes no messages"
+                Cow::Borrowed("the sensor takes no messages")
             }
         };
         let alarm = backseat_s7k::plc::Alarm::RouteFailed {

@@ -3,6 +3,7 @@
 //! Every part of the controller sends through the server.
 
 mod clients;
+mod ignored;
 
 use std::collections::BTreeMap;
 
@@ -21,6 +22,7 @@ use crate::sonar::SensorKind;
 use clients::{Clients, Weight};
 
 pub(crate) use clients::{Received, Request};
+pub use ignored::Ignored;
 
 /// Seconds between UTC and atomic time, since 2017.
 const LEAP_SECONDS: i8 = 37;
@@ -74,6 +76,7 @@ impl Server {
     }
 
     pub(crate) fn disconnect(&mut self, now: Timestamp, client: ClientId) {
+        self.report_rest(now, client);
         if self.clients.disconnect(client) {
             self.note(now, PlcEventKind::Disconnected(client));
         }
@@ -81,6 +84,7 @@ impl Server {
 
     /// Closes a client's connection. What waits for it is lost, but not at a shutdown.
     pub(crate) fn cut_off(&mut self, now: Timestamp, client: ClientId, why: DropReason) {
+        self.report_rest(now, client);
         self.clients.cut_off(client, why == DropReason::ShutDown);
         self.note(now, PlcEventKind::Dropped(client, why));
     }
@@ -111,6 +115,25 @@ impl Server {
     /// Reports what of a client could not be read or was lost, at most once a second.
     pub(crate) fn report(&mut self, now: Timestamp, client: ClientId) {
         for kind in self.clients.reports(now, client) {
+            self.note(now, kind);
+        }
+    }
+
+    /// When the next report is due of what waits for its second to be over.
+    pub(crate) fn report_due(&self) -> Option<Timestamp> {
+        self.clients.report_due()
+    }
+
+    /// Reports what waits for its second to be over, and is due.
+    pub(crate) fn report_all(&mut self, now: Timestamp) {
+        for client in self.clients.all() {
+            self.report(now, client);
+        }
+    }
+
+    /// Reports all that is left to report of a client whose connection ends.
+    fn report_rest(&mut self, now: Timestamp, client: ClientId) {
+        for kind in self.clients.reports(Timestamp::MAX, client) {
             self.note(now, kind);
         }
     }

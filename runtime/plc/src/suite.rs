@@ -378,7 +378,8 @@ impl Suite {
             .filter(|sensor| only.is_none_or(|index| sensor.index == index));
         let sensors = asked.map(|sensor| HealthEntry {
             sensor: sensor.index,
-            healthy: Self::is_healthy(sensor, faults),
+            // A sensor that has not started yet does not work, and has not failed a check either: no alarm 5.
+            healthy: sensor.is_running() && Self::is_healthy(sensor, faults),
         });
         Status::Health {
             sensors: sensors.collect(),

@@ -6,11 +6,14 @@ use backseat_core::plugin::{FaultKind, Judge, LogLevel, LogLine, PluginFault, St
 use wasmtime::{ResourceLimiter, Store, StoreContextMut, Trap};
 
 use crate::error::one_line;
+use crate::measures::Published;
 use crate::v0_1_0::bindings;
 use crate::{Budget, Component};
 
 /// Fuel for a log line, plus one unit for each of its bytes.
 pub const LOG_FUEL: u64 = 1_000;
+/// Fuel for a published value, plus one unit for each byte of its name and unit.
+pub const PUBLISH_FUEL: u64 = 500;
 /// Fuel for a question to the fence.
 pub const FENCE_FUEL: u64 = 10_000;
 
@@ -40,12 +43,15 @@ pub(crate) struct Called<T> {
 /// The store's data.
 pub(crate) struct State {
     limits: Limits,
+    /// What the call was given, or all calls of a start together.
+    fuel: u64,
     judge: Arc<dyn Judge>,
     /// The step that is running, without its events; `None` in other calls.
     step: Option<StepInput>,
     log: Vec<LogLine>,
     lines_allowed: usize,
     lines_dropped: u64,
+    published: Published,
 }
 
 impl Instance {
@@ -59,17 +65,20 @@ impl Instance {
         deadline_ticks: Option<u64>,
     ) -> Result<Self, PluginFault> {
         let limits = Limits {
+            bytes_max: budget.memory_bytes,
             bytes_left: budget.memory_bytes,
             elements_left: TABLE_ELEMENTS,
-            refused: false,
+            refused: None,
         };
         let state = State {
             limits,
+            fuel,
             judge,
             step: None,
             log: Vec::new(),
             lines_allowed: LOG_LINES,
             lines_dropped: 0,
+            published: Published::default(),
         };
         let mut store = Store::new(component.engine(), state);
         store.limiter(|state| &mut state.limits);
@@ -102,9 +111,21 @@ impl Instance {
         call: impl FnOnce(&bindings::Plugin, &mut Store<State>) -> wasmtime::Result<T>,
     ) -> Called<T> {
         set_fuel(&mut self.store, fuel);
+        self.store.data_mut().fuel = fuel;
+        self.call_on(bytes, deadline_ticks, call)
+    }
+
+    /// Calls an export of a start on the fuel that is left of it.
+    pub(crate) fn call_on<T>(
+        &mut self,
+        bytes: usize,
+        deadline_ticks: Option<u64>,
+        call: impl FnOnce(&bindings::Plugin, &mut Store<State>) -> wasmtime::Result<T>,
+    ) -> Called<T> {
+        let fuel = self.fuel_left();
         self.store.set_epoch_deadline(deadline_ticks.unwrap_or(NO_DEADLINE));
         self.store.set_hostcall_fuel(bytes);
-        self.store.data_mut().limits.refused = false;
+        self.store.data_mut().limits.refused = None;
         match call(&self.exports, &mut self.store) {
             Ok(value) => Called {
                 fuel: fuel - self.fuel_left(),
@@ -132,6 +153,11 @@ impl Instance {
         self.store.data_mut().lines_allowed = lines.min(LOG_LINES);
     }
 
+    /// The values published since they were last taken.
+    pub(crate) fn published(&mut self) -> &mut Published {
+        &mut self.store.data_mut().published
+    }
+
     /// The lines logged since this was last called, and how many more were dropped.
     pub(crate) fn take_log(&mut self) -> (Vec<LogLine>, u64) {
         let state = self.store.data_mut();
@@ -157,6 +183,10 @@ impl State {
 
     pub(crate) fn write_line(&mut self, level: LogLevel, text: String) {
         self.log.push(LogLine { level, text });
+    }
+
+    pub(crate) fn publish(&mut self, name: &str, value: f64, unit: &str) {
+        self.published.publish(name, value, unit);
     }
 }
 
@@ -189,14 +219,17 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
         Some(Trap::OutOfFuel) => FaultKind::OutOfFuel,
         Some(Trap::Interrupt) => FaultKind::Deadline,
         _ if text.contains(TOO_MUCH) => FaultKind::TooMuch,
-        _ if state.limits.refused => FaultKind::Memory,
+        _ if state.limits.refused.is_some() => FaultKind::Memory,
         _ => FaultKind::Trap,
     };
     let text = match kind {
-        FaultKind::OutOfFuel => "used all its fuel".to_owned(),
+        FaultKind::OutOfFuel => format!("used all its fuel: {} units", state.fuel),
         FaultKind::Deadline => "ran past its deadline".to_owned(),
         FaultKind::TooMuch => "passed more bytes to the host than one call may".to_owned(),
-        FaultKind::Memory => format!("was refused memory, and failed: {}", cut(&text)),
+        FaultKind::Memory => {
+            let refused = state.limits.refused.map(|refused| state.limits.describe(refused));
+            cut(&format!("{}: {text}", refused.unwrap_or_default())).to_owned()
+        }
         FaultKind::Trap | FaultKind::Error | FaultKind::Overflow | FaultKind::Start => cut(&text).to_owned(),
     };
     PluginFault { kind, text }
@@ -207,35 +240,59 @@ const TABLE_ELEMENTS: usize = 100_000;
 
 /// What an instance may still allocate.
 struct Limits {
+    bytes_max: usize,
     bytes_left: usize,
     elements_left: usize,
-    /// Whether a growth was refused during this call.
-    refused: bool,
+    /// The growth that was refused last during this call.
+    refused: Option<Refused>,
+}
+
+/// A growth that was refused.
+#[derive(Clone, Copy)]
+enum Refused {
+    /// Of a memory, by so many bytes.
+    Memory(usize),
+    /// Of a table, by so many elements.
+    Table(usize),
 }
 
 impl Limits {
-    fn take(left: &mut usize, refused: &mut bool, current: usize, desired: usize) -> bool {
-        match left.checked_sub(desired.saturating_sub(current)) {
-            Some(rest) => *left = rest,
-            None => *refused = true,
+    /// What was refused, and what was left.
+    fn describe(&self, refused: Refused) -> String {
+        let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
+        match refused {
+            Refused::Memory(asked) => format!(
+                "was refused {:.2} MiB of memory, as it uses {:.2} MiB of its {:.2} MiB",
+                mib(asked),
+                mib(self.bytes_max - self.bytes_left),
+                mib(self.bytes_max)
+            ),
+            Refused::Table(asked) => format!(
+                "was refused {asked} elements of a table, as it uses {} of its {TABLE_ELEMENTS}",
+                TABLE_ELEMENTS - self.elements_left
+            ),
         }
-        !*refused
     }
+}
+
+/// Takes a growth from what is left, or returns by how much it was to grow.
+fn take(left: &mut usize, current: usize, desired: usize) -> Result<(), usize> {
+    let growth = desired.saturating_sub(current);
+    *left = left.checked_sub(growth).ok_or(growth)?;
+    Ok(())
 }
 
 impl ResourceLimiter for Limits {
     fn memory_growing(&mut self, current: usize, desired: usize, _: Option<usize>) -> wasmtime::Result<bool> {
-        let mut refused = false;
-        let granted = Self::take(&mut self.bytes_left, &mut refused, current, desired);
-        self.refused |= refused;
-        Ok(granted)
+        let taken = take(&mut self.bytes_left, current, desired);
+        self.refused = taken.err().map(Refused::Memory).or(self.refused);
+        Ok(taken.is_ok())
     }
 
     fn table_growing(&mut self, current: usize, desired: usize, _: Option<usize>) -> wasmtime::Result<bool> {
-        let mut refused = false;
-        let granted = Self::take(&mut self.elements_left, &mut refused, current, desired);
-        self.refused |= refused;
-        Ok(granted)
+        let taken = take(&mut self.elements_left, current, desired);
+        self.refused = taken.err().map(Refused::Table).or(self.refused);
+        Ok(taken.is_ok())
     }
 
     fn instances(&self) -> usize {

@@ -13,24 +13,27 @@
 //! | bytes that one call passes to the host | 128 KiB for a step, 1 MiB for a snapshot | `TooMuch`, before anything is allocated for them |
 //! | 256 requests in a step, 256 bytes in a text, 8 frames of 1024 bytes in a packet | | `TooMuch` |
 //! | 32 log lines in a step and in a second, with a burst of twice as many, each of 256 bytes | | lines are cut or dropped; dropped lines are counted |
+//! | 64 published values in a second, with a burst of twice as many, under 64 names | | values are dropped; a log line counts them and says why |
 //! | 32 MiB for a component, 120 s to compile it | [`Host::load_within`] | it is not loaded |
 //! | wall clock | [`Plugin::set_deadline_ticks`] | `Deadline` |
 //!
 //! An instruction costs one unit of fuel, and a bulk operation one more for each byte. Growing the memory costs 255 units,
 //! and 255 more for each page. Each import has a fixed price, which is charged before it does anything: [`LOG_FUEL`],
-//! [`FENCE_FUEL`].
+//! [`FENCE_FUEL`], [`PUBLISH_FUEL`].
 //!
 //! # Life cycle
 //! After a fault that loses the instance (all but `Error`), [`Plugin::step`] returns `Start` until [`Plugin::restart`] has
 //! created a new instance: it calls `init`, then `restore` with the last snapshot. Snapshots are taken at the interval of
 //! the budget. The caller decides whether and when to restart.
 
+mod allowance;
 mod budget;
 mod error;
 mod host;
 mod inspection;
 mod instance;
 mod lines;
+mod measures;
 mod plugin;
 mod v0_1_0;
 
@@ -38,5 +41,5 @@ pub use budget::Budget;
 pub use error::HostError;
 pub use host::{COMPILE_TIME, COMPONENT_BYTES, Component, Host};
 pub use inspection::{Inspection, inspect};
-pub use instance::{FENCE_FUEL, LOG_FUEL};
+pub use instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL};
 pub use plugin::{Plugin, Restarted, Started};

@@ -1,51 +1,31 @@
-use backseat_core::plugin::{LogLevel, LogLine};
+use backseat_core::plugin::LogLine;
 use backseat_units::Timestamp;
+
+use crate::allowance::{Allowance, warning};
 
 /// How many log lines of a plugin are kept in a second. As many again may come in a burst.
 pub(crate) const LINES_PER_S: u32 = 32;
 
-/// Limits the log lines of one plugin over time: with a cap for each step only, a plugin that steps often could fill a
-/// disk. Dropped lines are counted, and the count is logged as a line of its own, at most once a second.
+/// Limits the log lines of one plugin over time. The count of dropped lines is logged as a line of its own.
 #[derive(Debug)]
-pub(crate) struct Lines {
-    left: u32,
-    refilled_s: u64,
-    untold: u64,
-    told_s: Option<u64>,
-}
+pub(crate) struct Lines(Allowance);
 
 impl Default for Lines {
     fn default() -> Self {
-        Self {
-            left: 2 * LINES_PER_S,
-            refilled_s: 0,
-            untold: 0,
-            told_s: None,
-        }
+        Self(Allowance::per_s(LINES_PER_S))
     }
 }
 
 impl Lines {
     /// How many lines a step at this time may log.
     pub(crate) fn allowed(&mut self, now: Timestamp) -> usize {
-        let second = now.as_nanos() / 1_000_000_000;
-        let seconds = second.saturating_sub(self.refilled_s);
-        let refill = u32::try_from(seconds).unwrap_or(u32::MAX).saturating_mul(LINES_PER_S);
-        self.left = self.left.saturating_add(refill).min(2 * LINES_PER_S);
-        self.refilled_s = self.refilled_s.max(second);
-        self.left as usize
+        self.0.left(now)
     }
 
     /// The lines to keep of a step, of which some more were dropped already. Adds a line with the count of dropped
     /// lines when one is due.
     pub(crate) fn keep(&mut self, now: Timestamp, (mut log, dropped): (Vec<LogLine>, u64)) -> Vec<LogLine> {
-        self.left = self.left.saturating_sub(u32::try_from(log.len()).unwrap_or(u32::MAX));
-        self.untold += dropped;
-        let second = now.as_nanos() / 1_000_000_000;
-        if self.untold > 0 && self.told_s.is_none_or(|told| second > told) {
-            self.told_s = Some(second);
-            log.push(counted(core::mem::take(&mut self.untold)));
-        }
+        log.extend(self.0.take(now, log.len(), dropped).map(counted));
         log
     }
 }
@@ -59,10 +39,7 @@ pub(crate) fn of_start((mut log, dropped): (Vec<LogLine>, u64)) -> Vec<LogLine> 
 }
 
 fn counted(lines: u64) -> LogLine {
-    LogLine {
-        level: LogLevel::Warn,
-        text: format!("{lines} more lines were dropped"),
-    }
+    warning(format!("{lines} more lines were dropped"))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use backseat_core::plugin::{Description, FaultKind, Judge, LogLine, PluginFault,
 
 use crate::instance::{CALL_BYTES, Called, Instance, cut};
 use crate::lines::{self, Lines};
+use crate::measures::Measures;
 use crate::{Budget, Component, HostError, v0_1_0};
 
 /// The largest snapshot, bytes.
@@ -22,6 +23,7 @@ pub struct Plugin {
     input: v0_1_0::Input,
     snapshot: Option<Vec<u8>>,
     lines: Lines,
+    measures: Measures,
     inputs_since_snapshot: u64,
     steps_to_snapshot: u32,
 }
@@ -70,6 +72,7 @@ impl Plugin {
             snapshot: None,
             inputs_since_snapshot: 0,
             lines: Lines::default(),
+            measures: Measures::default(),
         };
         let name = plugin.component.name().to_owned();
         let start = |fault| HostError::Start {
@@ -87,8 +90,7 @@ impl Plugin {
                 start(fault)
             }
         })?;
-        let fuel = instance.fuel_left();
-        let described = instance.call(fuel, CALL_BYTES, None, |exports, store| exports.call_describe(store));
+        let described = instance.call_on(CALL_BYTES, None, |exports, store| exports.call_describe(store));
         let described = described.result.map_err(start)?;
         let description = v0_1_0::description(described).map_err(|(what, expected)| HostError::Description {
             plugin: name.clone(),
@@ -118,6 +120,7 @@ impl Plugin {
             return Returned {
                 fuel: 0,
                 log: Vec::new(),
+                measures: Vec::new(),
                 result: Err(PluginFault {
                     kind: FaultKind::Start,
                     text,
@@ -125,6 +128,7 @@ impl Plugin {
             };
         };
         instance.allow_lines(self.lines.allowed(input.now));
+        instance.published().allow(self.measures.allowed(input.now));
         let guest_input = self.input.fill(input);
         instance.set_step(Some(StepInput {
             events: Vec::new(),
@@ -172,11 +176,17 @@ impl Plugin {
                 }
             }
         }
-        let log = self.lines.keep(input.now, instance.take_log());
+        let mut log = self.lines.keep(input.now, instance.take_log());
+        let measures = self.measures.keep(input.now, instance.published(), &mut log);
         if result.as_ref().is_err_and(loses_the_instance) {
             self.instance = None;
         }
-        Returned { fuel, log, result }
+        Returned {
+            fuel,
+            log,
+            measures,
+            result,
+        }
     }
 
     /// Restarts the plugin: creates an instance, calls `init`, and `restore` if there is a snapshot. The plugin may
@@ -236,8 +246,7 @@ impl Plugin {
 
     /// Calls `init` on the remaining fuel, and returns what is left.
     fn init(&self, instance: &mut Instance) -> Result<u64, PluginFault> {
-        let fuel = instance.fuel_left();
-        let called = instance.call(fuel, CALL_BYTES, self.deadline_ticks, |exports, store| {
+        let called = instance.call_on(CALL_BYTES, self.deadline_ticks, |exports, store| {
             exports.call_init(store, &self.config_json)
         });
         called.result?.map_err(|text| PluginFault {
@@ -252,7 +261,7 @@ impl Plugin {
         let Some(snapshot) = &self.snapshot else {
             return Ok(fuel);
         };
-        let called = instance.call(fuel, CALL_BYTES, self.deadline_ticks, |exports, store| {
+        let called = instance.call_on(CALL_BYTES, self.deadline_ticks, |exports, store| {
             exports.call_restore(store, snapshot)
         });
         called.result?.map_err(|text| PluginFault {

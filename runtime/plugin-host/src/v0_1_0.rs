@@ -8,7 +8,7 @@ use backseat_units::Timestamp;
 use wasmtime::StoreContextMut;
 use wasmtime::component::{Linker, WasmStr};
 
-use crate::instance::{FENCE_FUEL, LOG_FUEL, State, charge, cut};
+use crate::instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL, State, charge, cut};
 
 mod description;
 mod event;
@@ -37,13 +37,14 @@ use bindings::backseat::plugin::types as wit;
 /// The version of the interface in this file.
 pub(crate) const INTERFACE: &str = "backseat:plugin@0.1.0";
 /// The imports that a plugin may have. `types` has names only.
-pub(crate) const IMPORTS: [&str; 3] = [
+pub(crate) const IMPORTS: [&str; 4] = [
     "backseat:plugin/types@0.1.0",
     "backseat:plugin/log@0.1.0",
     "backseat:plugin/fence@0.1.0",
+    "backseat:plugin/measures@0.1.0",
 ];
 /// The same as text for messages.
-pub(crate) const IMPORTS_TEXT: &str = "log and fence of backseat:plugin@0.1.0";
+pub(crate) const IMPORTS_TEXT: &str = "log, fence and measures of backseat:plugin@0.1.0";
 /// The exports that a plugin must have.
 pub(crate) const EXPORTS: [&str; 5] = ["describe", "init", "step", "snapshot", "restore"];
 
@@ -51,7 +52,8 @@ pub(crate) const EXPORTS: [&str; 5] = ["describe", "init", "step", "snapshot", "
 pub(crate) fn link(linker: &mut Linker<State>) -> wasmtime::Result<()> {
     linker.instance(IMPORTS[0])?;
     linker.instance(IMPORTS[1])?.func_wrap("write", write)?;
-    linker.instance(IMPORTS[2])?.func_wrap("check", check)
+    linker.instance(IMPORTS[2])?.func_wrap("check", check)?;
+    linker.instance(IMPORTS[3])?.func_wrap("publish", publish)
 }
 
 /// `log.write`. The text is read from the plugin's memory only if the line is kept.
@@ -72,6 +74,22 @@ fn write(mut store: StoreContextMut<'_, State>, (level, text): (Level, WasmStr))
         Level::Error => core::LogLevel::Error,
     };
     store.data_mut().write_line(level, line);
+    Ok(())
+}
+
+/// `measures.publish`.
+fn publish(
+    mut store: StoreContextMut<'_, State>,
+    (name, value, unit): (WasmStr, f64, WasmStr),
+) -> wasmtime::Result<()> {
+    charge(&mut store, PUBLISH_FUEL)?;
+    let (name, unit, bytes) = {
+        let (name, unit) = (name.to_str(&store)?, unit.to_str(&store)?);
+        let bytes = name.len() + unit.len();
+        (cut(&name).to_owned(), cut(&unit).to_owned(), bytes)
+    };
+    charge(&mut store, bytes as u64)?;
+    store.data_mut().publish(&name, value, &unit);
     Ok(())
 }
 

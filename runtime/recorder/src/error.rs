@@ -45,7 +45,17 @@ pub enum RecorderError {
         /// Where reading fails.
         source: Box<mcap::McapError>,
     },
-    /// The file is MCAP, but not a log of this project or not in this format.
+    /// The log has a format that another version of the program writes.
+    #[error("log {log} has format {found:?}, and this version reads format {expected} only")]
+    Format {
+        /// Path of the file, or `in memory`.
+        log: String,
+        /// The log's format.
+        found: String,
+        /// The format that this crate reads.
+        expected: &'static str,
+    },
+    /// The file is MCAP, but not a log of this project.
     #[error("log {log} is not a backseat log: {what}, expected {expected}")]
     Foreign {
         /// Path of the file, or `in memory`.

@@ -3,14 +3,14 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::time::Duration;
 
-use backseat_units::Utc;
+use backseat_units::{Position, Utc};
 use sha2::{Digest, Sha256};
 
 /// Of a component larger than this, only the SHA-256 is recorded, bytes.
 pub const COMPONENT_LIMIT: usize = 8 << 20;
 
 /// The version of the format that this crate writes and reads.
-pub(crate) const FORMAT: &str = "1";
+pub(crate) const FORMAT: &str = "2";
 /// Name of the metadata record about the run.
 pub(crate) const RUN: &str = "backseat";
 /// Name of the metadata record of the components' hashes.
@@ -71,6 +71,10 @@ pub struct Header<'a> {
     pub resolved_mission: &'a str,
     /// The fence, GeoJSON.
     pub fence: &'a str,
+    /// The origin of the frame in which core and its plugins count metres: that of the fence.
+    pub origin: Position,
+    /// The world of a simulation, TOML; `None` at sea.
+    pub world: Option<&'a str>,
     /// The plugins' names and components.
     pub components: &'a [(String, Vec<u8>)],
     /// The program's version.
@@ -90,6 +94,8 @@ impl Header<'_> {
         }
         put("rate", self.rate.name().to_owned());
         put("utc_at_start_ns", self.utc_at_start.as_unix_nanos().to_string());
+        put("origin_latitude_deg", self.origin.latitude.as_deg().to_string());
+        put("origin_longitude_deg", self.origin.longitude.as_deg().to_string());
         put("mission_sha256", sha256(self.resolved_mission.as_bytes()));
         put("fence_sha256", sha256(self.fence.as_bytes()));
         run
@@ -106,10 +112,13 @@ impl Header<'_> {
     /// The attachments: name, media type and content.
     pub(crate) fn attachments(&self) -> impl Iterator<Item = (Cow<'static, str>, &'static str, &[u8])> {
         let texts = [
-            ("mission.toml", "application/toml", self.resolved_mission.as_bytes()),
-            ("fence.geojson", "application/geo+json", self.fence.as_bytes()),
+            ("mission.toml", "application/toml", Some(self.resolved_mission)),
+            ("fence.geojson", "application/geo+json", Some(self.fence)),
+            ("world.toml", "application/toml", self.world),
         ];
-        let texts = texts.map(|(name, media_type, data)| (Cow::Borrowed(name), media_type, data));
+        let texts = texts
+            .into_iter()
+            .filter_map(|(name, media_type, text)| Some((Cow::Borrowed(name), media_type, text?.as_bytes())));
         let components = self
             .components
             .iter()
@@ -121,7 +130,7 @@ impl Header<'_> {
                     component.as_slice(),
                 )
             });
-        texts.into_iter().chain(components)
+        texts.chain(components)
     }
 }
 

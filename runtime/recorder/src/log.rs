@@ -1,16 +1,18 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use backseat_core::Start;
-use backseat_units::{Timestamp, Utc};
+use backseat_core::{Reservation, Start};
+use backseat_units::{Position, Timestamp, Utc};
 use mcap::records::{MessageHeader, Record as Raw};
-use serde_json::Value;
+use serde::de::Error as _;
+use serde_json::{Error, Map, Value};
 
 use crate::channel::Channel;
 use crate::error::RecorderError;
 use crate::header::{COMPONENTS, FORMAT, RUN, Rate};
-use crate::message::{InputOwned, Line, LoggedInput};
+use crate::message::LoggedInput;
 use crate::raw::Records;
+use crate::{bytes, plain};
 
 /// A log, read as a whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +28,7 @@ pub struct Log {
 }
 
 /// The facts about its run that a log holds.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// The program's version.
     pub version: String,
@@ -38,6 +40,8 @@ pub struct Run {
     pub rate: Rate,
     /// The UTC at the run's time zero.
     pub utc_at_start: Utc,
+    /// The origin of the frame in which the log counts metres.
+    pub origin: Position,
     /// SHA-256 of the resolved mission, hexadecimal.
     pub mission_sha256: String,
     /// SHA-256 of the fence, hexadecimal.
@@ -169,11 +173,11 @@ pub fn read(path: &Path) -> Result<Log, RecorderError> {
 
 /// Reads a log from its bytes.
 ///
-/// Unknown channels are skipped, because a newer program may write more.
+/// Channels that are derived from others are skipped, and so are unknown ones, because a newer program may write more.
 ///
 /// # Errors
 ///
-/// [`RecorderError::Damaged`], [`RecorderError::Foreign`], [`RecorderError::Message`].
+/// [`RecorderError::Damaged`], [`RecorderError::Foreign`], [`RecorderError::Format`], [`RecorderError::Message`].
 pub fn parse(bytes: &[u8]) -> Result<Log, RecorderError> {
     parse_named(bytes, "in memory")
 }
@@ -232,7 +236,7 @@ fn parse_named(bytes: &[u8], log: &str) -> Result<Log, RecorderError> {
     let start_ns = run.utc_at_start.as_unix_nanos();
     let entries = entries
         .into_iter()
-        .map(|(header, channel, data)| read_entry(header, channel, data, start_ns, log))
+        .map(|(header, channel, data)| read_entry(header, channel, &data, start_ns, log))
         .collect::<Result<_, _>>()?;
     Ok(Log {
         run,
@@ -257,7 +261,11 @@ fn read_run(
 ) -> Result<Run, RecorderError> {
     let text = |key: &str| run.get(key).cloned().unwrap_or_default();
     if text("format") != FORMAT {
-        return Err(foreign(log, format!("format {:?}", text("format")), "format 1"));
+        return Err(RecorderError::Format {
+            log: log.to_owned(),
+            found: text("format"),
+            expected: FORMAT,
+        });
     }
     let rate = Rate::from_name(&text("rate"));
     let seed = run.get("seed").map(|seed| seed.parse()).transpose();
@@ -270,16 +278,30 @@ fn read_run(
             let what = format!("utc_at_start_ns {:?}", text("utc_at_start_ns"));
             foreign(log, what, "nanoseconds since 1970")
         })?),
+        origin: read_origin(run).ok_or_else(|| {
+            let what = format!(
+                "origin {:?} {:?}",
+                text("origin_latitude_deg"),
+                text("origin_longitude_deg")
+            );
+            foreign(log, what, "degrees of latitude and longitude")
+        })?,
         mission_sha256: text("mission_sha256"),
         fence_sha256: text("fence_sha256"),
         components,
     })
 }
 
+fn read_origin(run: &BTreeMap<String, String>) -> Option<Position> {
+    let degrees = |key| run.get(key)?.parse().ok();
+    let (latitude_deg, longitude_deg) = (degrees("origin_latitude_deg")?, degrees("origin_longitude_deg")?);
+    Position::from_deg(latitude_deg, longitude_deg).ok()
+}
+
 fn read_entry(
     header: MessageHeader,
     channel: Channel,
-    data: Vec<u8>,
+    data: &[u8],
     start_ns: u64,
     log: &str,
 ) -> Result<Entry, RecorderError> {
@@ -296,31 +318,49 @@ fn read_entry(
     })
 }
 
-fn read_record(channel: Channel, data: Vec<u8>) -> Result<Record, serde_json::Error> {
-    let json = |data: &[u8]| serde_json::from_slice(data);
+fn read_record(channel: Channel, data: &[u8]) -> Result<Record, Error> {
+    let json = || serde_json::from_slice::<Value>(data);
+    let object = || serde_json::from_slice::<Map<String, Value>>(data);
     Ok(match channel {
-        Channel::FromVehicle => Record::Input(LoggedInput::Received(data)),
-        Channel::ToVehicle => Record::Sent(data),
-        Channel::Input => match serde_json::from_slice(&data)? {
-            InputOwned::Start { start } => Record::Start(start),
-            InputOwned::LinkUp => Record::Input(LoggedInput::LinkUp),
-            InputOwned::LinkDown => Record::Input(LoggedInput::LinkDown),
-            InputOwned::Returned { plugin, returned } => Record::Input(LoggedInput::Returned(plugin, returned)),
-            InputOwned::Restarted { plugin, restarted } => Record::Input(LoggedInput::Restarted(plugin, restarted)),
-            InputOwned::Operator { act } => Record::Input(LoggedInput::Operator(act)),
-            InputOwned::External { external, bytes } => Record::Input(LoggedInput::External(external, bytes)),
-            InputOwned::Reserved { reservation } => Record::Input(LoggedInput::Reserved(reservation)),
-            InputOwned::Sonar { report } => Record::Input(LoggedInput::Sonar(report)),
-            InputOwned::UtcSet { by_nanos } => Record::Input(LoggedInput::UtcSet(by_nanos)),
-            InputOwned::Timeout => Record::Input(LoggedInput::Timeout),
-            InputOwned::Gap { since_s, records } => Record::Gap { since_s, records },
-        },
-        Channel::Output => Record::Output(json(&data)?),
-        Channel::Notes => Record::Note(json(&data)?),
-        Channel::Requests => Record::Request(json(&data)?),
-        Channel::Control => Record::Control(json(&data)?),
-        Channel::Navigation => Record::Navigation(json(&data)?),
-        Channel::Truth => Record::Truth(json(&data)?),
-        Channel::Vehicle => Record::Vehicle(serde_json::from_slice::<Line<String>>(&data)?.text),
+        Channel::FromVehicle => Record::Input(LoggedInput::Received(bytes::read(&object()?)?)),
+        Channel::ToVehicle => Record::Sent(bytes::read(&object()?)?),
+        Channel::Input => read_input(&object()?)?,
+        Channel::Output => Record::Output(json()?),
+        Channel::Notes => Record::Note(json()?),
+        Channel::Requests => Record::Request(json()?),
+        Channel::Control => Record::Control(json()?),
+        Channel::Navigation => Record::Navigation(json()?),
+        Channel::Truth => Record::Truth(json()?),
+        Channel::Vehicle => Record::Vehicle(plain::read(&object()?, "text")?),
     })
+}
+
+fn read_input(message: &Map<String, Value>) -> Result<Record, Error> {
+    let name = message.get("input").and_then(Value::as_str).unwrap_or_default();
+    let plugin = || plain::read(message, "plugin");
+    let input = match name {
+        "start" => return Ok(Record::Start(plain::read(message, "start")?)),
+        "gap" => {
+            return Ok(Record::Gap {
+                since_s: plain::read(message, "since_s")?,
+                records: plain::read(message, "records")?,
+            });
+        }
+        "link-up" => LoggedInput::LinkUp,
+        "link-down" => LoggedInput::LinkDown,
+        "returned" => LoggedInput::Returned(plugin()?, plain::read(message, "returned")?),
+        "restarted" => LoggedInput::Restarted(plugin()?, plain::read(message, "restarted")?),
+        "operator" => LoggedInput::Operator(plain::read(message, "act")?),
+        "external" => LoggedInput::External(plain::read(message, "external")?, bytes::read(message)?),
+        "reserved" => LoggedInput::Reserved(Reservation {
+            below: plain::read(message, "below")?,
+            inserts: plain::read(message, "inserts")?,
+            gps_hits: plain::read(message, "gps_hits")?,
+        }),
+        "sonar" => LoggedInput::Sonar(plain::read(message, "report")?),
+        "utc-set" => LoggedInput::UtcSet(plain::read(message, "by_nanos")?),
+        "timeout" => LoggedInput::Timeout,
+        _ => return Err(Error::custom(format!("unknown input {name:?}"))),
+    };
+    Ok(Record::Input(input))
 }

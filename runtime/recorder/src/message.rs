@@ -5,10 +5,7 @@ use backseat_core::{
     ExternalId, FromSonar, Input, Note, Operator, Owner, RequestKind, Reservation, Restarted, Start, ToSonar,
     Transition,
 };
-use serde::{Deserialize, Serialize};
-
-use crate::bytes;
-use crate::request::{ReturnedJson, ReturnedRef};
+use serde::Serialize;
 
 /// An input of core as logged, which can be given to core again.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +54,7 @@ impl LoggedInput {
     }
 }
 
-/// A message of `/core/input`, borrowed, for writing. `timeout` is written without it.
+/// A message of `/core/input`, for writing. `timeout` and `external` are written without it.
 #[derive(Serialize)]
 #[serde(tag = "input", rename_all = "kebab-case")]
 pub(crate) enum InputRef<'a> {
@@ -68,7 +65,7 @@ pub(crate) enum InputRef<'a> {
     LinkDown,
     Returned {
         plugin: PluginId,
-        returned: ReturnedRef<'a>,
+        returned: &'a Returned,
     },
     Restarted {
         plugin: PluginId,
@@ -76,11 +73,6 @@ pub(crate) enum InputRef<'a> {
     },
     Operator {
         act: &'a Operator,
-    },
-    External {
-        external: ExternalId,
-        #[serde(with = "bytes")]
-        bytes: &'a [u8],
     },
     Sonar {
         report: &'a FromSonar,
@@ -98,50 +90,7 @@ pub(crate) enum InputRef<'a> {
     },
 }
 
-/// A message of `/core/input`, for reading.
-#[derive(Deserialize)]
-#[serde(tag = "input", rename_all = "kebab-case")]
-pub(crate) enum InputOwned {
-    Start {
-        start: Start,
-    },
-    LinkUp,
-    LinkDown,
-    Returned {
-        plugin: PluginId,
-        #[serde(with = "ReturnedJson")]
-        returned: Returned,
-    },
-    Restarted {
-        plugin: PluginId,
-        restarted: Restarted,
-    },
-    Operator {
-        act: Operator,
-    },
-    External {
-        external: ExternalId,
-        #[serde(with = "bytes")]
-        bytes: Vec<u8>,
-    },
-    Sonar {
-        report: FromSonar,
-    },
-    Reserved {
-        #[serde(flatten)]
-        reservation: Reservation,
-    },
-    UtcSet {
-        by_nanos: i64,
-    },
-    Timeout,
-    Gap {
-        since_s: f64,
-        records: u64,
-    },
-}
-
-/// A message of `/core/output`, for writing.
+/// A message of `/core/output`, for writing. `external` is written without it.
 #[derive(Serialize)]
 #[serde(tag = "output", rename_all = "kebab-case")]
 pub(crate) enum OutputRef<'a> {
@@ -151,13 +100,7 @@ pub(crate) enum OutputRef<'a> {
     ResetLink,
     Invoke {
         plugin: PluginId,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        step: Option<&'a StepInput>,
-    },
-    External {
-        external: ExternalId,
-        #[serde(with = "bytes")]
-        bytes: &'a [u8],
+        step: &'a StepInput,
     },
     Sonar {
         order: &'a ToSonar,
@@ -175,9 +118,27 @@ pub(crate) enum OutputRef<'a> {
 /// A message of `/notes`, for writing.
 #[derive(Serialize)]
 pub(crate) struct NoteRef<'a> {
-    pub(crate) text: &'a str,
+    /// `None` for a note that has a text of its own.
+    text: Option<&'a str>,
     #[serde(flatten)]
-    pub(crate) note: &'a Note,
+    note: &'a Note,
+}
+
+impl<'a> NoteRef<'a> {
+    pub(crate) fn new(text: &'a str, note: &'a Note) -> Self {
+        let has_text = matches!(
+            note,
+            Note::Navigation { .. }
+                | Note::Malformed { .. }
+                | Note::Recovery { .. }
+                | Note::Sonar { .. }
+                | Note::Text { .. }
+        );
+        Self {
+            text: (!has_text).then_some(text),
+            note,
+        }
+    }
 }
 
 /// A message of `/control`, for writing.
@@ -186,7 +147,6 @@ pub(crate) struct ControlRef<'a> {
     pub(crate) text: &'a str,
     pub(crate) granted: bool,
     pub(crate) reason: &'a str,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cause: Option<&'static str>,
 }
 
@@ -196,9 +156,7 @@ pub(crate) struct RequestRef<'a> {
     text: &'a str,
     request: u64,
     owner: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
     plugin: Option<PluginId>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     external: Option<ExternalId>,
     tag: u64,
     kind: RequestKind,
@@ -206,7 +164,6 @@ pub(crate) struct RequestRef<'a> {
     state: &'static str,
     reason: Option<String>,
     /// The exact reason, for programs.
-    #[serde(skip_serializing_if = "Option::is_none")]
     why: Option<Why<'a>>,
 }
 
@@ -231,18 +188,7 @@ enum Why<'a> {
 
 impl<'a> RequestRef<'a> {
     pub(crate) fn new(text: &'a str, transition: &'a Transition) -> Self {
-        let (state, reason) = match &transition.state {
-            RequestState::Rejected(refusal) => ("rejected", Some(refusal.to_string())),
-            RequestState::Sent => ("sent", None),
-            RequestState::Pending => ("pending", None),
-            RequestState::Accepted => ("accepted", None),
-            RequestState::Failed(failure) => ("failed", Some(failure.to_string())),
-            RequestState::TimedOut => ("timed-out", None),
-            RequestState::Unknown => ("unknown", None),
-            RequestState::Started => ("started", None),
-            RequestState::Ended(ended) => ("ended", Some(ended.to_string())),
-            RequestState::Cancelled => ("cancelled", None),
-        };
+        let (state, reason) = described(&transition.state);
         let why = match &transition.state {
             RequestState::Rejected(refusal) => Some(Why::Refused {
                 rule: refusal.rule(),
@@ -280,6 +226,22 @@ impl<'a> RequestRef<'a> {
             reason,
             why,
         }
+    }
+}
+
+/// The name of a request's state, and why it was rejected, has failed or has ended.
+pub(crate) fn described(state: &RequestState) -> (&'static str, Option<String>) {
+    match state {
+        RequestState::Rejected(refusal) => ("rejected", Some(refusal.to_string())),
+        RequestState::Sent => ("sent", None),
+        RequestState::Pending => ("pending", None),
+        RequestState::Accepted => ("accepted", None),
+        RequestState::Failed(failure) => ("failed", Some(failure.to_string())),
+        RequestState::TimedOut => ("timed-out", None),
+        RequestState::Unknown => ("unknown", None),
+        RequestState::Started => ("started", None),
+        RequestState::Ended(ended) => ("ended", Some(ended.to_string())),
+        RequestState::Cancelled => ("cancelled", None),
     }
 }
 
@@ -326,7 +288,7 @@ impl From<&NavigationSample> for NavigationRow {
 }
 
 /// A message of `/vehicle`.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct Line<T> {
-    pub(crate) text: T,
+#[derive(Serialize)]
+pub(crate) struct Line<'a> {
+    pub(crate) text: &'a str,
 }

@@ -1,26 +1,32 @@
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
-use std::time::Duration;
 
-use backseat_core::plugin::{Event, NavigationSample, StepInput};
+use backseat_core::plugin::{Event, Measure, NavigationSample, PluginId, StepInput};
 use backseat_core::{Input, Note, Output, Start, ToSonar};
-use backseat_units::Timestamp;
+use backseat_units::{LocalFrame, Position, Timestamp};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions};
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::channel::Channel;
+use crate::decimation::Decimation;
 use crate::error::RecorderError;
 use crate::header::{COMPONENTS, Header, RUN, Rate};
+use crate::measures::{MeasureRow, Measures};
 use crate::message::{ControlRef, InputRef, Line, NavigationRow, NoteRef, OutputRef, RequestRef};
-use crate::request::ReturnedRef;
+use crate::view::{Batch, Moment, Topic, View};
+use crate::{bytes, plain};
 
 /// A chunk that is larger than this is closed, bytes. At this size it is still in the processor's cache when it is
 /// copied, and closing it costs little.
 const CHUNK_SIZE: u64 = 256 << 10;
+/// The encoding of all messages.
+const ENCODING: &str = "json";
 
 /// Writes the log of a run. The crate's documentation describes the format.
 ///
@@ -33,6 +39,8 @@ pub struct Recorder<W: Write + Seek> {
     ids: [u16; Channel::ALL.len()],
     rate: Rate,
     utc_at_start_ns: u64,
+    /// In which the log counts metres.
+    frame: LocalFrame,
     sequence: u32,
     flush_at: Timestamp,
     navigation: Decimation,
@@ -41,6 +49,14 @@ pub struct Recorder<W: Write + Seek> {
     json: Vec<u8>,
     /// The line of a note, kept to reuse its allocation.
     text: String,
+    view: View,
+    /// Messages of derived channels that were not yet written.
+    derived: Batch,
+    /// MCAP identifiers of derived channels; `None` until the first message.
+    derived_ids: [Option<u16>; Topic::COUNT],
+    measures: Measures,
+    /// The time of the newest message.
+    newest: Timestamp,
 }
 
 impl Recorder<BufWriter<File>> {
@@ -81,12 +97,18 @@ impl<W: Write + Seek> Recorder<W> {
             ids,
             rate: header.rate,
             utc_at_start_ns: header.utc_at_start.as_unix_nanos(),
+            frame: LocalFrame::new(header.origin),
             sequence: 0,
             flush_at: Timestamp::ZERO + header.rate.flush_period(),
             navigation: Decimation::new(header.rate.period()),
             truth: Decimation::new(header.rate.period()),
             json: Vec::with_capacity(1024),
             text: String::with_capacity(256),
+            view: View::new(header),
+            derived: Batch::default(),
+            derived_ids: [None; Topic::COUNT],
+            measures: Measures::new(header),
+            newest: Timestamp::ZERO,
         })
     }
 
@@ -97,7 +119,9 @@ impl<W: Write + Seek> Recorder<W> {
     ///
     /// [`RecorderError::Write`].
     pub fn start(&mut self, start: &Start) -> Result<(), RecorderError> {
-        self.put_json(Channel::Input, Timestamp::ZERO, &InputRef::Start { start })
+        self.put_json(Channel::Input, Timestamp::ZERO, &InputRef::Start { start })?;
+        self.view.started(&mut self.derived);
+        self.put_derived(Timestamp::ZERO)
     }
 
     /// Records the values with which a later process of a simulation was started. (A deployed process has a log of its
@@ -116,25 +140,32 @@ impl<W: Write + Seek> Recorder<W> {
     ///
     /// [`RecorderError::Write`].
     pub fn input(&mut self, now: Timestamp, input: &Input<'_>) -> Result<(), RecorderError> {
+        self.put_input(now, input)?;
+        self.view.input(self.moment(now), input, &mut self.derived);
+        self.put_derived(now)
+    }
+
+    fn put_input(&mut self, now: Timestamp, input: &Input<'_>) -> Result<(), RecorderError> {
         let message = match input {
-            Input::Received(bytes) => return self.put(Channel::FromVehicle, now, bytes),
-            // The most frequent input is written without the encoder.
+            // The most frequent inputs are written without the encoder.
+            Input::Received(bytes) => return self.put_with(Channel::FromVehicle, now, |out| bytes::write(out, bytes)),
             Input::Timeout => return self.put(Channel::Input, now, br#"{"input":"timeout"}"#),
+            Input::External(external, bytes) => {
+                return self.put_with(Channel::Input, now, |out| {
+                    bytes::write_external(out, "input", *external, bytes);
+                });
+            }
             Input::LinkUp => InputRef::LinkUp,
             Input::LinkDown => InputRef::LinkDown,
             Input::Returned(plugin, returned) => InputRef::Returned {
                 plugin: *plugin,
-                returned: ReturnedRef(returned),
+                returned,
             },
             Input::Restarted(plugin, restarted) => InputRef::Restarted {
                 plugin: *plugin,
                 restarted,
             },
             Input::Operator(act) => InputRef::Operator { act },
-            Input::External(external, bytes) => InputRef::External {
-                external: *external,
-                bytes,
-            },
             Input::Sonar(report) => InputRef::Sonar { report },
             Input::UtcSet(by_nanos) => InputRef::UtcSet { by_nanos: *by_nanos },
             Input::Reserved(reservation) => InputRef::Reserved {
@@ -150,28 +181,39 @@ impl<W: Write + Seek> Recorder<W> {
     ///
     /// [`RecorderError::Write`].
     pub fn output(&mut self, now: Timestamp, output: &Output) -> Result<(), RecorderError> {
+        self.put_output(now, output)?;
+        self.view.output(self.moment(now), output, &mut self.derived);
+        self.put_derived(now)
+    }
+
+    fn put_output(&mut self, now: Timestamp, output: &Output) -> Result<(), RecorderError> {
         let message = match output {
-            Output::Send(bytes) => return self.put(Channel::ToVehicle, now, bytes),
+            Output::Send(bytes) => return self.put_with(Channel::ToVehicle, now, |out| bytes::write(out, bytes)),
             Output::Note(note) => return self.note(now, note),
             Output::Connect { after } => OutputRef::Connect {
                 after_s: after.as_secs_f64(),
             },
             Output::ResetLink => OutputRef::ResetLink,
-            Output::Invoke(plugin, step) => {
-                let without_samples = match self.rate {
-                    Rate::Simulation => None,
-                    Rate::Deployed => Some(without_samples(step)),
-                };
-                let (plugin, step) = (*plugin, without_samples.as_deref());
-                return self.put_json(Channel::Output, now, &OutputRef::Invoke { plugin, step });
-            }
+            Output::Invoke(plugin, step) => match self.rate {
+                Rate::Simulation => {
+                    let PluginId(plugin) = plugin;
+                    return self.put_with(Channel::Output, now, |out| {
+                        out.extend_from_slice(format!(r#"{{"output":"invoke","plugin":{plugin}}}"#).as_bytes());
+                    });
+                }
+                Rate::Deployed => {
+                    let (plugin, step) = (*plugin, &*without_samples(step));
+                    return self.put_json(Channel::Output, now, &OutputRef::Invoke { plugin, step });
+                }
+            },
             // What the client is told of the vehicle is in the vehicle's own sentences.
             Output::Sonar(ToSonar::Navigation(..) | ToSonar::SoundSpeed { .. }) => return Ok(()),
             Output::Sonar(order) => OutputRef::Sonar { order },
-            Output::External(external, bytes) => OutputRef::External {
-                external: *external,
-                bytes,
-            },
+            Output::External(external, bytes) => {
+                return self.put_with(Channel::Output, now, |out| {
+                    bytes::write_external(out, "output", *external, bytes);
+                });
+            }
             Output::Restart(plugin) => OutputRef::Restart { plugin: *plugin },
             Output::Reserve(reservation) => OutputRef::Reserve {
                 reservation: *reservation,
@@ -190,7 +232,9 @@ impl<W: Write + Seek> Recorder<W> {
         if !self.navigation.take(now) {
             return Ok(());
         }
-        self.put_json(Channel::Navigation, now, &NavigationRow::from(sample))
+        self.put_json(Channel::Navigation, now, &NavigationRow::from(sample))?;
+        self.view.navigation(self.moment(now), sample, &mut self.derived);
+        self.put_derived(now)
     }
 
     /// Records that records were left out from `since` until now.
@@ -209,7 +253,8 @@ impl<W: Write + Seek> Recorder<W> {
         self.truth.is_due(now)
     }
 
-    /// Records the simulation's truth, a JSON object; in simulation only once a second.
+    /// Records the simulation's truth, a JSON object; in simulation only once a second. Its property `local` becomes
+    /// that of its `position` in the log's frame, because the world has an origin of its own.
     ///
     /// # Errors
     ///
@@ -218,7 +263,8 @@ impl<W: Write + Seek> Recorder<W> {
         if !self.truth.take(now) {
             return Ok(());
         }
-        self.put_json(Channel::Truth, now, json)
+        let truth = serde_json::to_value(json).map_err(|source| self.encode_error(Channel::Truth, source))?;
+        self.put_json(Channel::Truth, now, &in_frame(&self.frame, truth))
     }
 
     /// Records a line of the simulated vehicle's own log.
@@ -227,7 +273,9 @@ impl<W: Write + Seek> Recorder<W> {
     ///
     /// [`RecorderError::Write`].
     pub fn vehicle_event(&mut self, now: Timestamp, text: &str) -> Result<(), RecorderError> {
-        self.put_json(Channel::Vehicle, now, &Line { text })
+        self.put_json(Channel::Vehicle, now, &Line { text })?;
+        self.view.vehicle_event(self.moment(now), text, &mut self.derived);
+        self.put_derived(now)
     }
 
     /// Closes the open chunk and hands it to the operating system. This also happens by itself as the run's time
@@ -245,13 +293,36 @@ impl<W: Write + Seek> Recorder<W> {
     /// # Errors
     /// [`RecorderError::Write`].
     pub fn finish(mut self) -> Result<(), RecorderError> {
+        self.view.finish(&mut self.derived);
+        self.put_derived(self.newest)?;
         match self.writer.finish() {
             Ok(_) => Ok(()),
             Err(source) => Err(write_error(&self.log, source)),
         }
     }
 
+    fn measure(&mut self, now: Timestamp, plugin: PluginId, measure: &Measure) -> Result<(), RecorderError> {
+        let Self {
+            measures, writer, log, ..
+        } = self;
+        let id = measures.channel(plugin, &measure.name, |topic, schema| {
+            writer
+                .add_schema("backseat.Measure", "jsonschema", schema.as_bytes())
+                .and_then(|schema| writer.add_channel(schema, topic, ENCODING, &BTreeMap::new()))
+                .map_err(|source| write_error(log, source))
+        })?;
+        let mut json = std::mem::take(&mut self.json);
+        json.clear();
+        serde_json::to_writer(&mut json, &MeasureRow::from(measure)).expect("a Vec takes a finite number and a text");
+        let result = self.put_message(id, now, &json);
+        self.json = json;
+        result
+    }
+
     fn note(&mut self, now: Timestamp, note: &Note) -> Result<(), RecorderError> {
+        if let Note::PluginMeasure { plugin, measure } = note {
+            return self.measure(now, *plugin, measure);
+        }
         let mut text = std::mem::take(&mut self.text);
         text.clear();
         write!(text, "{note}").expect("a String takes everything");
@@ -267,14 +338,7 @@ impl<W: Write + Seek> Recorder<W> {
                 };
                 self.put_json(Channel::Control, now, &message)
             }
-            other => self.put_json(
-                Channel::Notes,
-                now,
-                &NoteRef {
-                    text: &text,
-                    note: other,
-                },
-            ),
+            other => self.put_json(Channel::Notes, now, &NoteRef::new(&text, other)),
         };
         self.text = text;
         result
@@ -283,27 +347,92 @@ impl<W: Write + Seek> Recorder<W> {
     fn put_json(&mut self, channel: Channel, now: Timestamp, message: &impl Serialize) -> Result<(), RecorderError> {
         let mut json = std::mem::take(&mut self.json);
         json.clear();
-        let result = match serde_json::to_writer(&mut json, message) {
+        let result = match plain::write(&mut json, message) {
             Ok(()) => self.put(channel, now, &json),
-            Err(source) => Err(RecorderError::Encode {
-                log: self.log.clone(),
-                channel: channel.topic(),
-                source,
-            }),
+            Err(source) => Err(self.encode_error(channel, source)),
         };
         self.json = json;
         result
     }
 
+    fn encode_error(&self, channel: Channel, source: serde_json::Error) -> RecorderError {
+        RecorderError::Encode {
+            log: self.log.clone(),
+            channel: channel.topic(),
+            source,
+        }
+    }
+
+    /// Records a message that is written without the encoder.
+    fn put_with(
+        &mut self,
+        channel: Channel,
+        now: Timestamp,
+        write: impl FnOnce(&mut Vec<u8>),
+    ) -> Result<(), RecorderError> {
+        let mut json = std::mem::take(&mut self.json);
+        json.clear();
+        write(&mut json);
+        let result = self.put(channel, now, &json);
+        self.json = json;
+        result
+    }
+
     fn put(&mut self, channel: Channel, now: Timestamp, data: &[u8]) -> Result<(), RecorderError> {
+        self.put_message(self.ids[channel as usize], now, data)
+    }
+
+    fn moment(&self, now: Timestamp) -> Moment {
+        Moment {
+            now,
+            utc_ns: self.utc_at_start_ns.saturating_add(now.as_nanos()),
+        }
+    }
+
+    /// Writes what was derived from the last record.
+    fn put_derived(&mut self, now: Timestamp) -> Result<(), RecorderError> {
+        if self.derived.is_empty() {
+            return Ok(());
+        }
+        let mut derived = std::mem::take(&mut self.derived);
+        for (topic, message) in derived.messages() {
+            let id = self.derived_id(topic)?;
+            self.put_message(id, now, message)?;
+        }
+        derived.clear();
+        self.derived = derived;
+        Ok(())
+    }
+
+    /// The channel of a topic, which its first message adds.
+    fn derived_id(&mut self, topic: Topic) -> Result<u16, RecorderError> {
+        let place = topic.place();
+        if let Some(id) = self.derived_ids[place] {
+            return Ok(id);
+        }
+        let (name, schema) = topic.schema();
+        let id = self
+            .writer
+            .add_schema(&name, "jsonschema", schema.as_bytes())
+            .and_then(|schema| {
+                self.writer
+                    .add_channel(schema, &topic.name(), ENCODING, &BTreeMap::new())
+            })
+            .map_err(|source| write_error(&self.log, source))?;
+        self.derived_ids[place] = Some(id);
+        Ok(id)
+    }
+
+    fn put_message(&mut self, channel_id: u16, now: Timestamp, data: &[u8]) -> Result<(), RecorderError> {
         let time = self.utc_at_start_ns.saturating_add(now.as_nanos());
         let header = MessageHeader {
-            channel_id: self.ids[channel as usize],
+            channel_id,
             sequence: self.sequence,
             log_time: time,
             publish_time: time,
         };
         self.sequence = self.sequence.wrapping_add(1);
+        self.newest = self.newest.max(now);
         self.writer
             .write_to_known_channel(&header, data)
             .map_err(|source| write_error(&self.log, source))?;
@@ -345,51 +474,30 @@ fn open<W: Write + Seek>(writer: W, header: &Header<'_>) -> Result<Opened<W>, Mc
     writer.flush()?;
     let mut ids = [0; Channel::ALL.len()];
     for (id, channel) in ids.iter_mut().zip(Channel::ALL) {
-        let schema = match channel.schema() {
-            Some((name, schema)) => writer.add_schema(name, "jsonschema", schema.as_bytes())?,
-            None => 0,
-        };
-        *id = writer.add_channel(schema, channel.topic(), channel.encoding(), &Default::default())?;
+        let (name, schema) = channel.schema();
+        let schema = writer.add_schema(name, "jsonschema", schema.as_bytes())?;
+        *id = writer.add_channel(schema, channel.topic(), ENCODING, &BTreeMap::new())?;
     }
     Ok((writer, ids))
+}
+
+/// The truth with its place in this frame.
+fn in_frame(frame: &LocalFrame, mut truth: Value) -> Value {
+    let degrees = |key: &str| truth["position"][key].as_f64();
+    let position = degrees("latitude_deg").zip(degrees("longitude_deg"));
+    let position =
+        position.and_then(|(latitude_deg, longitude_deg)| Position::from_deg(latitude_deg, longitude_deg).ok());
+    if let Some(position) = position {
+        let local = frame.to_local(position);
+        truth["local"] = json!({"east_m": local.east_m, "north_m": local.north_m});
+    }
+    truth
 }
 
 fn write_error(log: &str, source: McapError) -> RecorderError {
     RecorderError::Write {
         log: log.to_owned(),
         source: Box::new(source),
-    }
-}
-
-/// Passes the first message of each period, counted from time zero: the first of each second, not one a second after
-/// another, so that channels stay in step.
-struct Decimation {
-    period: Duration,
-    next: Timestamp,
-}
-
-impl Decimation {
-    const fn new(period: Duration) -> Self {
-        Self {
-            period,
-            next: Timestamp::ZERO,
-        }
-    }
-
-    fn is_due(&self, now: Timestamp) -> bool {
-        now >= self.next
-    }
-
-    fn take(&mut self, now: Timestamp) -> bool {
-        if !self.is_due(now) {
-            return false;
-        }
-        if !self.period.is_zero() {
-            let period_ns = u64::try_from(self.period.as_nanos()).unwrap_or(u64::MAX);
-            let begun = Timestamp::from_nanos(now.as_nanos() / period_ns * period_ns);
-            self.next = begun + self.period;
-        }
-        true
     }
 }
 

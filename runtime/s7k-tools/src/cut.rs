@@ -66,7 +66,7 @@ pub fn cut(source: &Source, selection: &Selection, out: &Path) -> Result<Cut, Er
         return Err(Error::contents(source.path(), nothing(&survey)));
     }
     let failed = |error| Error::write(out, error);
-    let mut writer = FileWriter::create(Output::create(out)?, survey.info, survey.first).map_err(failed)?;
+    let mut writer = FileWriter::create(Output::create(out, source)?, survey.info, survey.first).map_err(failed)?;
     source.each_record(|_, frame| {
         if is_meant(selection, frame) {
             writer.write(frame).map_err(failed)?;
@@ -131,6 +131,7 @@ fn survey(source: &Source, selection: &Selection) -> Result<Survey, Error> {
             survey.devices.insert((header.device.0, header.enumerator));
             if survey.records == 0 {
                 survey.first = header.time;
+                survey.info.version_5 = header.version == 5;
             }
             survey.last = header.time;
             survey.records += 1;

@@ -44,6 +44,12 @@ pub enum Error {
         /// The output.
         path: PathBuf,
     },
+    /// The output is the recording that is read.
+    #[error("{}: is the recording that is read: choose another name with --out", path.display())]
+    OutputIsInput {
+        /// The output.
+        path: PathBuf,
+    },
     /// Standard output cannot be written.
     #[error("cannot write: {0}")]
     Stdout(#[source] io::Error),
@@ -117,6 +123,7 @@ impl Error {
             | Self::Input { .. }
             | Self::Contents { .. }
             | Self::OutputFolder { .. }
+            | Self::OutputIsInput { .. }
             | Self::Option { .. } => false,
         }
     }

@@ -18,6 +18,8 @@ pub use segy::{Signal, export_segy};
 pub use waterfall::{Waterfall, export_waterfall};
 pub use xtf::export_xtf;
 
+use crate::source::{LeftOut, Source};
+
 /// What an export wrote, and what it had to leave out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Exported {
@@ -32,6 +34,17 @@ impl Exported {
         Self {
             written,
             notes: Vec::new(),
+        }
+    }
+
+    /// The damaged places of the recording.
+    fn note_left_out(&mut self, source: &Source) {
+        let LeftOut { places, bytes } = source.left_out();
+        if places > 0 {
+            self.notes.push(format!(
+                "left out: {bytes} bytes that are not a record, in {places} {} (see `backseat s7k verify`)",
+                if places == 1 { "place" } else { "places" }
+            ));
         }
     }
 

@@ -15,6 +15,7 @@ use crate::catalogue::{Catalogue, CatalogueAudit};
 use crate::error::Error;
 use crate::listed::Listed;
 use crate::moment::Moment;
+use crate::navigated::Navigated;
 use crate::source::Source;
 
 pub use group::{CountGap, Group, TimeGap};
@@ -46,6 +47,8 @@ pub struct Info {
     pub catalogue: Catalogue,
     /// Places that are no record.
     pub damage: Damage,
+    /// Why no ping can be placed on a map, if so: no navigation, or none at that time.
+    pub warning: Option<String>,
     /// The records by type and device.
     pub groups: Vec<Group>,
 }
@@ -191,6 +194,7 @@ struct Gathering {
     bluefin_checksums: BluefinChecksums,
     undecodable: Listed<Place>,
     damage: Damage,
+    navigated: Navigated,
     groups: BTreeMap<(u32, u32, u16), group::Gathering>,
 }
 
@@ -219,7 +223,10 @@ impl Gathering {
             }),
         }
         match Record::read(frame) {
-            Ok(record) => self.record(offset, &record),
+            Ok(record) => {
+                self.navigated.add(header, &record);
+                self.record(offset, &record);
+            }
             Err(error) => self.undecodable.push(Place {
                 offset,
                 fault: error.to_string(),
@@ -284,6 +291,7 @@ impl Gathering {
             undecodable: self.undecodable,
             catalogue,
             damage: self.damage,
+            warning: self.navigated.warning(),
             groups,
         }
     }

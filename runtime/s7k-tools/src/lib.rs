@@ -12,12 +12,14 @@ mod export;
 mod info;
 mod listed;
 mod moment;
+mod navigated;
 mod output;
 mod parts;
 mod selection;
 mod sidescan;
 mod source;
 mod track;
+mod unmatched;
 mod verify;
 
 pub use catalogue::Catalogue;

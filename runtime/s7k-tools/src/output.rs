@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use backseat_s7k::file::LogFile;
 
 use crate::error::Error;
+use crate::source::Source;
 
 /// A file to write. Until [`Output::commit`] it has another name (`.part` behind its own), so that a failed command
-/// leaves an existing file as it was. A device or a pipe is written directly.
+/// leaves an existing file as it was. A device, a pipe or what a link names is written directly. It is never a file that is read.
 #[derive(Debug)]
 pub(crate) struct Output {
     path: PathBuf,
@@ -18,19 +19,29 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    pub(crate) fn create(path: &Path) -> Result<Self, Error> {
+    /// Opens it, before anything is written to it.
+    pub(crate) fn create(path: &Path, source: &Source) -> Result<Self, Error> {
         let failed = |source| Error::write(path, source);
+        let mut part = path.as_os_str().to_owned();
+        part.push(".part");
+        let part = PathBuf::from(part);
+        for written in [path, &part] {
+            // By its number, because a link or another spelling names the same file.
+            if std::fs::metadata(written).is_ok_and(|file| source.is_same_file(&file)) {
+                return Err(Error::OutputIsInput {
+                    path: written.to_owned(),
+                });
+            }
+        }
+        // A link keeps its place, above all /dev/stdout, which may lead to a file.
+        let is_link = std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_symlink());
         let (opened, part) = match std::fs::metadata(path) {
             Ok(kind) if kind.is_dir() => {
                 return Err(Error::OutputFolder { path: path.to_owned() });
             }
             Ok(kind) if !kind.is_file() => (path.to_owned(), None),
-            _ => {
-                let mut name = path.as_os_str().to_owned();
-                name.push(".part");
-                let part = PathBuf::from(name);
-                (part.clone(), Some(part))
-            }
+            Ok(_) | Err(_) if is_link => (path.to_owned(), None),
+            _ => (part.clone(), Some(part)),
         };
         let file = File::options()
             .read(part.is_some())

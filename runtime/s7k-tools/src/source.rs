@@ -1,8 +1,9 @@
 //! The recording that a command reads, several times if it must, and never as a whole.
 
-use std::fs::File;
+use std::cell::Cell;
+use std::fs::{File, Metadata};
 use std::io::{self, Read};
-use std::os::unix::fs::FileExt;
+use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
 use backseat_s7k::file::{FileItem, FileReader};
@@ -10,14 +11,34 @@ use backseat_s7k::record::{CatalogLocation, Record};
 use backseat_s7k::{FRAME_LIMIT, Frame, FrameError};
 
 use crate::error::{Error, InputFault};
+use crate::moment::Moment;
 
-/// A recording with at least one record.
+/// A recording with at least one record: a file, or several that are read one behind the other.
 #[derive(Debug)]
 pub struct Source {
     path: PathBuf,
-    file: File,
+    files: Vec<Piece>,
     bytes: u64,
     catalog: Option<CatalogLocation>,
+    /// The longest catalogue that a file header names, bytes.
+    catalog_bytes: u64,
+    /// What the last whole pass left out.
+    left_out: Cell<LeftOut>,
+}
+
+/// A file, and where its first byte is in the recording.
+#[derive(Debug)]
+struct Piece {
+    file: File,
+    at: u64,
+    bytes: u64,
+}
+
+/// Bytes that are no record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct LeftOut {
+    pub(crate) places: u64,
+    pub(crate) bytes: u64,
 }
 
 impl Source {
@@ -49,12 +70,80 @@ impl Source {
         }
         let mut source = Self {
             path: path.to_owned(),
-            file,
+            files: vec![Piece { file, at: 0, bytes }],
             bytes,
             catalog: None,
+            catalog_bytes: 0,
+            left_out: Cell::default(),
         };
         source.catalog = source.first_record()?;
+        source.catalog_bytes = source.catalog.map_or(0, |location| {
+            u64::from(location.size).min(bytes.saturating_sub(location.offset))
+        });
         Ok(source)
+    }
+
+    /// Opens the files of one recording and reads them one behind the other, in the order of their first times, whatever
+    /// the order of `paths` is. Offsets count from the start of the first file.
+    ///
+    /// # Errors
+    /// As [`Source::open`], and [`Error::Contents`] if a file is given twice.
+    ///
+    /// # Panics
+    /// If `paths` is empty.
+    pub fn join(paths: &[PathBuf]) -> Result<Self, Error> {
+        let mut sources = Vec::new();
+        for path in paths {
+            let source = Self::open(path)?;
+            if sources.iter().any(|(_, other): &(_, Self)| source.shares_a_file(other)) {
+                return Err(Error::contents(path, "is given twice"));
+            }
+            sources.push((source.first_time()?, source));
+        }
+        // A file without any time comes first.
+        sources.sort_by_key(|(time, _)| *time);
+        let mut sources = sources.into_iter().map(|(_, source)| source);
+        let mut joined = sources.next().expect("a command names at least one file");
+        for source in sources {
+            joined.catalog_bytes = joined.catalog_bytes.max(source.catalog_bytes);
+            for piece in source.files {
+                let bytes = piece.bytes;
+                joined.files.push(Piece {
+                    at: joined.bytes,
+                    ..piece
+                });
+                joined.bytes += bytes;
+            }
+        }
+        Ok(joined)
+    }
+
+    fn first_time(&self) -> Result<Option<Moment>, Error> {
+        let mut records = self.records();
+        while let Some(item) = records.next()? {
+            if let FileItem::Record { frame, .. } = item
+                && let Some(time) = Moment::of(&frame.header().time)
+            {
+                return Ok(Some(time));
+            }
+        }
+        Ok(None)
+    }
+
+    fn shares_a_file(&self, other: &Self) -> bool {
+        let of = |source: &Self| -> Vec<Metadata> {
+            let files = source.files.iter();
+            files.filter_map(|piece| piece.file.metadata().ok()).collect()
+        };
+        of(other).iter().any(|metadata| self.is_same_file(metadata))
+    }
+
+    /// Whether this is a file that is read here, by whatever name.
+    pub(crate) fn is_same_file(&self, other: &Metadata) -> bool {
+        self.files.iter().any(|piece| {
+            let own = piece.file.metadata();
+            own.is_ok_and(|own| (own.dev(), own.ino()) == (other.dev(), other.ino()))
+        })
     }
 
     /// Reads up to the first record, and the catalogue's place if that record names it.
@@ -100,11 +189,7 @@ impl Source {
 
     /// The longest record that is read, bytes. The catalogue of a long recording is longer than any other record.
     pub(crate) fn limit(&self) -> usize {
-        let catalog = self.catalog.map_or(0, |location| {
-            let behind = self.bytes.saturating_sub(location.offset);
-            usize::try_from(u64::from(location.size).min(behind)).unwrap_or(0)
-        });
-        catalog.max(FRAME_LIMIT)
+        usize::try_from(self.catalog_bytes).unwrap_or(0).max(FRAME_LIMIT)
     }
 
     /// Its records from the start on.
@@ -118,21 +203,28 @@ impl Source {
     /// Visits its records in one pass. Bytes that are no record are left out.
     pub(crate) fn each_record(&self, mut visit: impl FnMut(u64, &Frame<'_>) -> Result<(), Error>) -> Result<(), Error> {
         let mut records = self.records();
+        let mut left_out = LeftOut::default();
         while let Some(item) = records.next()? {
-            if let FileItem::Record { offset, frame } = item {
-                visit(offset, &frame)?;
+            match item {
+                FileItem::Record { offset, frame } => visit(offset, &frame)?,
+                FileItem::Skipped(skipped) => {
+                    left_out.places += 1;
+                    left_out.bytes += skipped.bytes;
+                }
             }
         }
+        self.left_out.set(left_out);
         Ok(())
     }
 
+    /// What the last [`Source::each_record`] left out.
+    pub(crate) fn left_out(&self) -> LeftOut {
+        self.left_out.get()
+    }
+
     /// Its bytes from a place on.
-    pub(crate) const fn part(&self, at: u64) -> Part<'_> {
-        Part {
-            file: &self.file,
-            at,
-            end: self.bytes,
-        }
+    pub(crate) fn part(&self, at: u64) -> Part<'_> {
+        Part { files: &self.files, at }
     }
 
     /// An error of reading it.
@@ -164,16 +256,20 @@ impl Records<'_> {
 /// A part of a recording, read from a place of its own: several may be read at once.
 #[derive(Debug)]
 pub(crate) struct Part<'s> {
-    file: &'s File,
+    files: &'s [Piece],
     at: u64,
-    end: u64,
 }
 
 impl Read for Part<'_> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let left = usize::try_from(self.end.saturating_sub(self.at)).unwrap_or(usize::MAX);
+        let behind = self.files.partition_point(|piece| piece.at + piece.bytes <= self.at);
+        let Some(piece) = self.files.get(behind) else {
+            return Ok(0);
+        };
+        let inside = self.at - piece.at;
+        let left = usize::try_from(piece.bytes - inside).unwrap_or(usize::MAX);
         let length = out.len().min(left);
-        let read = self.file.read_at(&mut out[..length], self.at)?;
+        let read = piece.file.read_at(&mut out[..length], inside)?;
         self.at += read as u64;
         Ok(read)
     }

@@ -9,11 +9,12 @@ use serde::Serialize;
 
 use crate::catalogue::{Catalogue, CatalogueAudit};
 use crate::error::Error;
+use crate::navigated::Navigated;
 use crate::parts::faults;
 use crate::source::Source;
 
 /// How many findings of each kind a recording has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verdict {
     /// Records.
     pub records: u64,
@@ -29,6 +30,8 @@ pub struct Verdict {
     pub catalogue_differences: u64,
     /// Whether there is a catalogue. A recording without one is no finding.
     pub catalogue: Catalogue,
+    /// Why no ping can be placed on a map, if so. This is no finding: the records themselves are right.
+    pub warning: Option<String>,
 }
 
 /// One finding, as `--json` prints it.
@@ -82,6 +85,9 @@ impl core::fmt::Display for Verdict {
         if self.catalogue == Catalogue::Absent {
             f.write_str("; no catalogue")?;
         }
+        if let Some(warning) = &self.warning {
+            write!(f, "; warning: {warning}")?;
+        }
         Ok(())
     }
 }
@@ -107,7 +113,9 @@ pub fn verify(source: &Source, json: bool, out: &mut impl Write) -> Result<Verdi
         values: 0,
         catalogue_differences: 0,
         catalogue: Catalogue::Absent,
+        warning: None,
     };
+    let mut navigated = Navigated::default();
     let mut catalogue = CatalogueAudit::begin(source)?;
     let mut differences = 0;
     let mut records = source.records();
@@ -137,6 +145,7 @@ pub fn verify(source: &Source, json: bool, out: &mut impl Write) -> Result<Verdi
         }
         match Record::read(&frame) {
             Ok(record) => {
+                navigated.add(header, &record);
                 for (at, fault) in faults(&frame, &record) {
                     verdict.values += 1;
                     write(
@@ -161,6 +170,7 @@ pub fn verify(source: &Source, json: bool, out: &mut impl Write) -> Result<Verdi
         write(at, "catalogue", &text)
     })?;
     verdict.catalogue_differences = differences;
+    verdict.warning = navigated.warning();
     out.flush().map_err(Error::Stdout)?;
     Ok(verdict)
 }

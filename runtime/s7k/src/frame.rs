@@ -58,6 +58,9 @@ layouts! {
 /// Bytes of the checksum at the end of each frame.
 const CHECKSUM: usize = 4;
 
+/// Bytes from the frame's start to the flags.
+const FLAGS_AT: usize = 48;
+
 /// Bytes from the frame's start to the sync pattern, from which `offset` counts.
 const SYNC_AT: usize = 4;
 
@@ -262,6 +265,12 @@ impl<'a> Frame<'a> {
         Ok(&self.bytes[self.header.record_at()..end])
     }
 
+    /// The record type header and all that follows it up to the checksum, wherever the optional data begin.
+    #[must_use]
+    pub fn payload(&self) -> &'a [u8] {
+        &self.bytes[self.header.record_at()..self.end()]
+    }
+
     /// The optional data, if there are any.
     ///
     /// # Errors
@@ -287,6 +296,24 @@ impl<'a> Frame<'a> {
             Checksum::Valid
         } else {
             Checksum::Wrong { stored, computed }
+        }
+    }
+
+    /// Appends the frame as it stands in a recording: in version 5 with [`FrameHeader::RECORDED`], and with a checksum
+    /// that counts this bit.
+    pub fn write_recorded(&self, out: &mut Vec<u8>) {
+        let (start, flags) = (out.len(), self.header.flags);
+        out.extend_from_slice(self.bytes);
+        if self.header.version != 5 || flags & FrameHeader::RECORDED != 0 {
+            return;
+        }
+        let at = start + FLAGS_AT;
+        out[at..at + 2].copy_from_slice(&(flags | FrameHeader::RECORDED).to_le_bytes());
+        if flags & FrameHeader::CHECKSUM_VALID != 0 {
+            let [_, high] = FrameHeader::RECORDED.to_le_bytes();
+            let checksum = self.stored_checksum().wrapping_add(u32::from(high));
+            let at = start + self.end();
+            out[at..].copy_from_slice(&checksum.to_le_bytes());
         }
     }
 

@@ -8,8 +8,9 @@ mod samples;
 mod storage;
 
 pub use bluefin::{
-    BluefinData, BluefinDataType, BluefinFormat, BluefinFrame, BluefinFrameHeader, BluefinHeader, BluefinRecord,
-    EnvironmentField, EnvironmentFrame, EnvironmentQuality, NavigationField, NavigationFrame, NavigationQuality,
+    BluefinData, BluefinDataType, BluefinFault, BluefinFormat, BluefinFrame, BluefinFrameHeader, BluefinHeader,
+    BluefinRecord, EnvironmentField, EnvironmentFrame, EnvironmentQuality, NavigationField, NavigationFrame,
+    NavigationQuality,
 };
 pub use controller::{
     Acknowledge, Action, AlarmMode, CommandHeader, CommandRecord, CommandStatus, MessageHeader, MessageRecord,

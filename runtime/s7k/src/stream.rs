@@ -1,5 +1,7 @@
 //! Records out of a byte stream: network frames taken apart, fragments put together, damage skipped.
 
+mod start;
+
 use core::ops::Range;
 
 use memchr::memmem::Finder;
@@ -7,6 +9,7 @@ use memchr::memmem::Finder;
 use crate::device::DeviceId;
 use crate::frame::{FRAME_LIMIT, Frame, FrameError, SYNC, read_header};
 use crate::network::{NetworkError, NetworkHeader};
+use start::{Start, refused_frame, refused_packet, starts_frame, starts_packet};
 
 /// Puts records together from a stream of network frames, as it comes from a payload controller or from a client.
 ///
@@ -15,6 +18,11 @@ use crate::network::{NetworkError, NetworkHeader};
 ///
 /// Sizes are believed in this order: the packet's size, then the size in the record's own frame. Packet counts and
 /// sequence numbers are used only where they agree with these, because public senders fill them in differently.
+///
+/// A record or a packet that is longer than the limit, or of another protocol version, is refused whole: as many bytes
+/// as it says that it has are dropped unread, so that nothing inside it is taken for a record. If its length is a lie,
+/// what it covers is lost, and then reading goes on where the next packet or record begins. No more than
+/// [`Self::SKIP_MAX`] bytes are dropped so; a longer length is believed no further, and [`Self::is_astray`] says so.
 ///
 /// Memory is bounded: at most twice the limit, and what was pushed at once.
 #[derive(Debug)]
@@ -28,6 +36,9 @@ pub struct StreamReader {
     /// What was wrong where reading failed, while it looks for the next start; and the first place in the rest where that
     /// may be.
     lost: Option<(StreamError, usize)>,
+    /// How many bytes of a refused record or packet are still to come.
+    skip: usize,
+    astray: bool,
     transmissions: Vec<Transmission>,
     /// The last record that was put together from fragments.
     assembled: Vec<u8>,
@@ -40,6 +51,8 @@ struct Transmission {
     source: (DeviceId, u16, u16),
     next_sequence: u32,
     bytes: Vec<u8>,
+    /// The record is refused: none of its bytes is kept, and so many are still to come.
+    refused: Option<usize>,
 }
 
 /// What a [`StreamReader`] has met.
@@ -126,6 +139,10 @@ impl Default for StreamReader {
 }
 
 impl StreamReader {
+    /// The most bytes of a refused record or packet that are dropped because it says that it has so many; more only if
+    /// the limit is.
+    pub const SKIP_MAX: usize = 64 << 20;
+
     /// A reader of records of at most `limit` bytes.
     #[must_use]
     pub const fn new(limit: usize) -> Self {
@@ -135,6 +152,8 @@ impl StreamReader {
             at: 0,
             packet: None,
             lost: None,
+            skip: 0,
+            astray: false,
             transmissions: Vec::new(),
             assembled: Vec::new(),
             counts: StreamCounts {
@@ -158,6 +177,14 @@ impl StreamReader {
             self.at = 0;
         }
         self.buffer.extend_from_slice(bytes);
+    }
+
+    /// Whether a record or a packet said that it has more bytes than are ever dropped for one: see [`Self::SKIP_MAX`].
+    /// Behind these the reader looks for the next beginning, which may lie inside of what it refused. A reader that
+    /// obeys what it reads closes the connection instead.
+    #[must_use]
+    pub const fn is_astray(&self) -> bool {
+        self.astray
     }
 
     /// What has been met so far.
@@ -191,6 +218,11 @@ impl StreamReader {
 
     fn advance(&mut self) -> Option<Found> {
         loop {
+            if self.skip > 0 {
+                let here = self.skip.min(self.buffer.len() - self.at);
+                (self.at, self.skip) = (self.at + here, self.skip - here);
+                self.counts.skipped_bytes += here as u64;
+            }
             match self.packet {
                 Some((_, end)) if self.at >= end => self.packet = None,
                 Some((header, end)) => {
@@ -224,7 +256,11 @@ impl StreamReader {
                     Some(Taken::Found(Found::Buffered(range)))
                 }
                 Err(FrameError::Incomplete { .. }) => None,
-                Err(error) => self.find_start(error.into(), 1),
+                Err(error) => match refused_frame(rest, &error) {
+                    Start::Waits => None,
+                    Start::Refused(declared) => Some(self.refuse(declared, error.into())),
+                    Start::Nothing => self.find_start(error.into(), 1),
+                },
             };
         }
         match NetworkHeader::check(rest, self.limit) {
@@ -236,8 +272,28 @@ impl StreamReader {
                 Some(Taken::Nothing)
             }
             Err(NetworkError::Incomplete { .. }) => None,
-            Err(error) => self.find_start(error.into(), 1),
+            Err(error) => match refused_packet(rest, &error) {
+                Start::Waits => None,
+                Start::Refused(declared) => Some(self.refuse(declared, error.into())),
+                Start::Nothing => self.find_start(error.into(), 1),
+            },
         }
+    }
+
+    /// Drops as many bytes as a record or a packet says that it has, those that are still to come too.
+    fn refuse(&mut self, declared: usize, why: StreamError) -> Taken {
+        let declared = self.believed(declared);
+        let here = declared.min(self.buffer.len() - self.at);
+        self.at += here;
+        self.skip = declared - here;
+        Taken::Found(Found::Skipped(here, why))
+    }
+
+    /// How much of a length is believed.
+    fn believed(&mut self, declared: usize) -> usize {
+        let most = Self::SKIP_MAX.max(self.limit);
+        self.astray |= declared > most;
+        declared.min(most)
     }
 
     /// Skips to the next place where a packet or a record begins, `from` bytes on or later. Only a sync pattern shows such
@@ -248,14 +304,14 @@ impl StreamReader {
         let mut skipped = None;
         for sync in Finder::new(&PATTERN).find_iter(rest) {
             let packet = sync.checked_sub(BEFORE_SYNC).filter(|at| *at >= from);
-            let packet = packet.filter(|at| NetworkHeader::check(&rest[*at..], self.limit).is_ok());
+            let packet = packet.filter(|at| starts_packet(&rest[*at..], self.limit));
             let frame = sync.checked_sub(4).filter(|at| *at >= from);
-            match (packet, frame.map(|at| read_header(&rest[at..], self.limit))) {
+            match (packet, frame.map(|at| starts_frame(&rest[at..], self.limit))) {
                 (Some(at), _) => skipped = Some(at),
-                (None, Some(Ok(_))) => skipped = frame,
+                (None, Some(Some(true))) => skipped = frame,
                 // The next bytes decide.
-                (None, Some(Err(FrameError::Incomplete { .. }))) => return None,
-                (None, Some(Err(_)) | None) => continue,
+                (None, Some(None)) => return None,
+                (None, Some(Some(false)) | None) => continue,
             }
             break;
         }
@@ -285,6 +341,9 @@ impl StreamReader {
         let data = &self.buffer[self.at..end];
         if let Some(index) = self.transmissions.iter().position(|known| known.source == source) {
             let numbered = header.total_packets > 1;
+            if let Some(left) = self.transmissions[index].refused {
+                return self.drop_refused(index, left, header, end);
+            }
             let begins = self.begins(data);
             if (numbered && header.sequence == self.transmissions[index].next_sequence) || !(numbered || begins) {
                 return self.append(index, end);
@@ -297,6 +356,14 @@ impl StreamReader {
                     "a packet is missing"
                 },
             );
+        }
+        // By its own numbers this packet continues one record, whatever its bytes look like.
+        let at_start = self.at + header.packet_size as usize == end + usize::from(header.offset);
+        if at_start && header.total_packets > 1 && header.total_records <= 1 && header.sequence > 0 {
+            let skipped = end - self.at;
+            self.at = end;
+            let sequence = header.sequence;
+            return Taken::Found(Found::Skipped(skipped, StreamError::NoBeginning { sequence }));
         }
         match Frame::read(data, self.limit) {
             Ok(frame) => {
@@ -311,6 +378,7 @@ impl StreamReader {
                     source,
                     next_sequence: header.sequence.wrapping_add(1),
                     bytes,
+                    refused: None,
                 });
                 self.make_room()
             }
@@ -326,12 +394,45 @@ impl StreamReader {
                     | FrameError::Offset { .. }
                     | FrameError::OptionalOffset { .. } => error.into(),
                 };
-                // The packet's own size says where the next packet begins.
+                // The packet's own size says where the next packet begins. Further packets may continue the record.
                 let skipped = end - self.at;
+                let declared = refused_frame(data, &error).length();
                 self.at = end;
+                if header.total_packets != 1 && declared > skipped {
+                    let left = self.believed(declared) - skipped;
+                    self.transmissions.push(Transmission {
+                        source,
+                        next_sequence: header.sequence.wrapping_add(1),
+                        bytes: Vec::new(),
+                        refused: Some(left),
+                    });
+                    if self.transmissions.len() > TRANSMISSIONS {
+                        self.transmissions.remove(0);
+                        self.counts.abandoned_records += 1;
+                    }
+                }
                 Taken::Found(Found::Skipped(skipped, why))
             }
         }
+    }
+
+    /// Drops a packet's data that belong to a refused record.
+    fn drop_refused(&mut self, index: usize, left: usize, header: &NetworkHeader, end: usize) -> Taken {
+        let transmission = &mut self.transmissions[index];
+        if header.total_packets > 1 && header.sequence != transmission.next_sequence {
+            // The record ended before its length: what this packet is, its own header says.
+            self.transmissions.remove(index);
+            return Taken::Nothing;
+        }
+        let here = left.min(end - self.at);
+        transmission.next_sequence = transmission.next_sequence.wrapping_add(1);
+        transmission.refused = Some(left - here);
+        if left == here {
+            self.transmissions.remove(index);
+        }
+        self.at += here;
+        self.counts.skipped_bytes += here as u64;
+        Taken::Nothing
     }
 
     /// Whether the data begin with a frame, as far as they go.
@@ -372,7 +473,14 @@ impl StreamReader {
             }
             Err(error) => {
                 let skipped = transmission.bytes.len();
-                self.transmissions.remove(index);
+                let declared = refused_frame(&transmission.bytes, &error).length();
+                transmission.bytes = Vec::new();
+                if declared > skipped {
+                    let left = self.believed(declared) - skipped;
+                    self.transmissions[index].refused = Some(left);
+                } else {
+                    self.transmissions.remove(index);
+                }
                 self.at = end;
                 Taken::Found(Found::Skipped(skipped, error.into()))
             }

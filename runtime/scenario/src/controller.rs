@@ -79,10 +79,7 @@ impl Scenario {
 ///
 /// [`ScenarioError`] in one line, with the file's path, and the place or the key.
 pub fn read_controller(path: &Path, text: &str) -> Result<Option<PlcConfig>, ScenarioError> {
-    let tables: Tables = toml::from_str(text).map_err(|error| ScenarioError::World {
-        path: path.to_path_buf(),
-        source: toml_error(text, &error),
-    })?;
+    let tables: Tables = toml::from_str(text).map_err(|error| ScenarioError::world(path, toml_error(text, &error)))?;
     if let Some(plc) = &tables.plc {
         plc.validate().map_err(|source| ScenarioError::Controller {
             path: path.to_path_buf(),

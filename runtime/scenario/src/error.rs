@@ -1,6 +1,6 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use backseat_mission::MissionError;
+use backseat_mission::{MissionError, with_suggestion};
 use backseat_mvc::MvcError;
 use backseat_plc::PlcError;
 use backseat_world::WorldError;
@@ -57,4 +57,17 @@ pub enum ScenarioError {
     /// The file of the front seat's plan is invalid.
     #[error(transparent)]
     Plan(#[from] MissionError),
+}
+
+impl ScenarioError {
+    /// An error in `world.toml` or a file of faults. An unknown key gets the name that it resembles.
+    pub(crate) fn world(path: &Path, mut source: MvcError) -> Self {
+        if let MvcError::Toml { message, .. } = &mut source {
+            *message = with_suggestion(message);
+        }
+        Self::World {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
 }

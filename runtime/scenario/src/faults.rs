@@ -14,8 +14,5 @@ pub fn read_faults(path: &Path) -> Result<FaultPlan, ScenarioError> {
         path: path.to_path_buf(),
         source,
     })?;
-    FaultPlan::from_toml(&text).map_err(|source| ScenarioError::World {
-        path: path.to_path_buf(),
-        source,
-    })
+    FaultPlan::from_toml(&text).map_err(|source| ScenarioError::world(path, source))
 }

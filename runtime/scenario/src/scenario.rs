@@ -20,6 +20,8 @@ pub struct Scenario {
     pub plc: Option<PlcConfig>,
     /// The path of `world.toml`.
     pub path: PathBuf,
+    /// The text of `world.toml`.
+    pub text: String,
     /// The seabed's grid, if `world.toml` names one; clones share it.
     pub grid: Option<Grid>,
 }
@@ -49,16 +51,19 @@ impl Scenario {
             path: path.clone(),
             source,
         })?;
-        let world = WorldFile::from_toml(&text).map_err(|source| ScenarioError::World {
-            path: path.clone(),
-            source,
-        })?;
+        let world = WorldFile::from_toml(&text).map_err(|source| ScenarioError::world(&path, source))?;
         let plc = read_controller(&path, &text)?;
         let grid = match &world.seabed.grid {
             Some(grid) => Some(read_grid(&mission.folder.join(grid))?),
             None => None,
         };
-        Ok(Some(Self { world, plc, path, grid }))
+        Ok(Some(Self {
+            world,
+            plc,
+            path,
+            text,
+            grid,
+        }))
     }
 
     /// The mock vehicle in the world of this seed, over the scenario's grid.

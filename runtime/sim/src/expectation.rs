@@ -3,7 +3,7 @@
 mod contacts;
 mod coverage;
 
-use backseat_mvc::{ContourExpectation, Expectations, MaximumExpectation, Mvc};
+use backseat_mvc::{ContourExpectation, Expectations, MaximumExpectation, MeasureExpectation, Mvc};
 use backseat_spi::ToVehicle;
 use backseat_units::EastNorth;
 use backseat_world::World;
@@ -50,6 +50,38 @@ pub(crate) fn judge(report: &mut Report, expect: &Expectations, trace: &Trace, m
     }
     if let Some(contacts) = &expect.contacts {
         contacts::judge(report, contacts, trace, mvc);
+    }
+    // Last, because these may name what the others have measured.
+    for measure in &expect.measure {
+        judge_measure(report, measure);
+    }
+}
+
+fn judge_measure(report: &mut Report, expect: &MeasureExpectation) {
+    let name = &expect.name;
+    let measured = report.measures.get::<str>(name).map(|value| (*value, ""));
+    let published = report.published.get(name).map(|last| (last.value, last.unit.as_str()));
+    let Some((value, unit)) = measured.or(published) else {
+        report.unmet.push(format!("{name} was not measured"));
+        return;
+    };
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
+    let low = expect
+        .at_least
+        .filter(|bound| value < *bound)
+        .map(|bound| ("least", bound));
+    let high = expect
+        .at_most
+        .filter(|bound| value > *bound)
+        .map(|bound| ("most", bound));
+    for (which, bound) in low.into_iter().chain(high) {
+        report
+            .unmet
+            .push(format!("{name} is {value:.3}{unit}, expected at {which} {bound}{unit}"));
     }
 }
 

@@ -6,6 +6,7 @@
 //!
 //! The same mission, seed and components give the same bytes on the link. The digest shows this.
 
+mod control;
 mod digest;
 mod expectation;
 mod link;
@@ -15,8 +16,9 @@ mod survey_map;
 mod trace;
 mod verdict;
 
+pub use control::{ControlTime, ControlTimes};
 pub use digest::{Digest, Direction};
-pub use report::Report;
+pub use report::{FirstFailure, Published, Report};
 pub use simulation::sonars::FileSink;
 pub use simulation::{SimError, Simulation, Step};
 pub use survey_map::survey_map;

@@ -1,6 +1,11 @@
+use std::collections::BTreeMap;
+use std::fmt;
+
 use backseat_core::RequestCounts;
 use backseat_oracle::{Statistics, Violation};
 use serde::Serialize;
+
+use crate::control::ControlTimes;
 
 /// The result of a run.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -25,27 +30,89 @@ pub struct Report {
     pub requests_open: usize,
     /// Why requests were rejected, one example of each reason with how often it came.
     pub rejections: Vec<String>,
+    /// When the runtime had control, and why not.
+    pub control: ControlTimes,
     /// How often each plugin failed, by its name in the mission; plugins that did not fail are left out.
-    pub plugin_failures: std::collections::BTreeMap<String, u64>,
+    pub plugin_failures: BTreeMap<String, u64>,
+    /// How each of them failed first.
+    pub plugin_first_failures: BTreeMap<String, FirstFailure>,
     /// What the oracle found.
     pub violations: Vec<Violation>,
     /// How much the oracle saw, which shows whether a run without violations tested anything.
     pub seen: Statistics,
     /// What the mission's expectations measured, by name.
-    pub measures: std::collections::BTreeMap<&'static str, f64>,
+    pub measures: BTreeMap<&'static str, f64>,
+    /// The last value of each measure that plugins published, by `PLUGIN.NAME`.
+    pub published: BTreeMap<String, Published>,
     /// Expectations that did not hold, in words.
     pub unmet: Vec<String>,
     /// The digest of the link.
     pub digest: String,
 }
 
+/// How the measures of targets on the seabed begin.
+const CONTACTS: &str = "contacts_";
+
+/// How a plugin failed first.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FirstFailure {
+    /// Seconds since the start of the run.
+    pub at_s: f64,
+    /// The fault, in a line.
+    pub text: String,
+}
+
+/// What a plugin published last under a name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Published {
+    /// Finite.
+    pub value: f64,
+    /// As the plugin gave it; may be empty.
+    pub unit: String,
+}
+
+impl fmt::Display for Published {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.3}", self.value)?;
+        if !self.unit.is_empty() {
+            write!(f, " {}", self.unit)?;
+        }
+        Ok(())
+    }
+}
+
 impl Report {
-    /// What was measured, for people: `contour rms 1.0 m`. The unit is the last part of the measure's name.
+    /// What was measured, for people: `contour rms 1.0 m`, or `plume.maximum 14.250 degC` of a plugin.
     pub fn measured(&self) -> impl Iterator<Item = String> + '_ {
-        self.measures.iter().map(|(name, value)| {
+        let measures = self.measures.iter().filter(|(name, _)| !name.starts_with(CONTACTS));
+        let measures = measures.map(|(name, value)| {
             let (what, unit) = name.rsplit_once('_').unwrap_or((name, ""));
             format!("{} {value:.1} {unit}", what.replace('_', " "))
-        })
+        });
+        let published = self.published.iter().map(|(name, last)| format!("{name} {last}"));
+        self.contacts().into_iter().chain(measures).chain(published)
+    }
+
+    /// What came of the targets on the seabed, if the mission expects a plugin to find them.
+    fn contacts(&self) -> Option<String> {
+        let of = |name: &str| self.measures.get(format!("{CONTACTS}{name}").as_str());
+        let mut text = format!(
+            "targets: {} of {} circled; circles: {}, {} of them around no target",
+            of("found")?,
+            of("targets")?,
+            of("circles")?,
+            of("false")?
+        );
+        if let Some(aspects) = of("aspects") {
+            text.push_str(&format!("; a target was seen from {aspects} of 8 sides (median)"));
+        }
+        if let Some(error_m) = of("error_m") {
+            text.push_str(&format!("; its circle is {error_m:.1} m off (median)"));
+        }
+        if let Some(way_m) = of("way_m") {
+            text.push_str(&format!("; way {:.1} km", way_m / 1000.0));
+        }
+        Some(text)
     }
 
     /// Whether every expectation held.

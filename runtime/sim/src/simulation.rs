@@ -24,10 +24,11 @@ use backseat_sonar::ConfigError;
 use backseat_sonar_bridge::SonarSettings;
 use backseat_units::{Timestamp, Utc};
 
+use crate::control::ControlTimes;
 use crate::digest::Digest;
 use crate::expectation;
 use crate::link::Lane;
-use crate::report::Report;
+use crate::report::{FirstFailure, Published, Report};
 use crate::simulation::judge::Judge;
 use crate::simulation::process::{Process, Successor};
 use crate::simulation::sonars::Controller;
@@ -123,6 +124,12 @@ pub struct Simulation {
     reasons: BTreeMap<(Rule, String), (u64, String)>,
     names: Vec<String>,
     plugin_failures: BTreeMap<String, u64>,
+    /// When the runtime had control.
+    control: ControlTimes,
+    /// How each plugin failed first, by its name in the mission.
+    first_failures: BTreeMap<String, FirstFailure>,
+    /// The last value of each measure that plugins published, by `PLUGIN.NAME`.
+    published: BTreeMap<String, Published>,
     mission: String,
     seed: u64,
     expect: backseat_mvc::Expectations,
@@ -206,9 +213,12 @@ impl Simulation {
             reasons: BTreeMap::new(),
             names,
             plugin_failures: BTreeMap::new(),
+            control: ControlTimes::default(),
+            first_failures: BTreeMap::new(),
+            published: BTreeMap::new(),
             mission: mission.name.clone(),
             seed,
-            expect: scenario.world.expect,
+            expect: scenario.world.expect.clone(),
             controller: Controller::new(scenario, seed, utc_at_start)?,
             sonar,
         };
@@ -254,7 +264,7 @@ impl Simulation {
     pub fn request_counts(&self) -> RequestCounts {
         let mut counts = self.counts_before;
         if let Some(process) = &self.process {
-            add(&mut counts, process.core.request_counts());
+            counts += process.core.request_counts();
         }
         counts
     }
@@ -439,10 +449,13 @@ impl Simulation {
                 .values()
                 .map(|(count, reason)| format!("{count} x {reason}"))
                 .collect(),
+            control: self.control,
             plugin_failures: self.plugin_failures,
+            plugin_first_failures: self.first_failures,
             violations,
             seen,
             measures: BTreeMap::new(),
+            published: self.published,
             unmet: Vec::new(),
             digest: self.digest.finish(),
         };
@@ -462,12 +475,4 @@ impl Disk {
             gps_hits: self.reservation.gps_hits,
         }
     }
-}
-
-fn add(counts: &mut RequestCounts, more: RequestCounts) {
-    counts.proposed += more.proposed;
-    counts.rejected += more.rejected;
-    counts.sent += more.sent;
-    counts.accepted += more.accepted;
-    counts.failed += more.failed;
 }

@@ -86,14 +86,9 @@ pub fn survey_map(mission: &Mission, scenario: &Scenario, report: &Report, trace
 }
 
 fn caption(report: &Report) -> String {
-    let requests = &report.requests;
     let mut text = format!(
-        "requests: {} proposed, {} rejected, {} sent, {} accepted, {} failed · violations: {}",
-        requests.proposed,
-        requests.rejected,
-        requests.sent,
-        requests.accepted,
-        requests.failed,
+        "requests: {} · violations: {}",
+        report.requests,
         report.violations.len()
     );
     for measured in report.measured() {

@@ -88,6 +88,9 @@ pub(crate) fn event(event: &Event) -> Option<SonarEvent> {
         | Event::Disconnected { .. }
         | Event::Connected
         | Event::CommandFailed { .. }
+        | Event::SensorStarting { .. }
+        | Event::SettingFailed { .. }
+        | Event::NotSubscribed { .. }
         | Event::Version { .. }
         | Event::Modules { .. }
         | Event::RunList { .. }

@@ -8,7 +8,7 @@ mod imagery;
 mod report;
 mod tell;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::time::Duration;
 
 use backseat_s7k::plc::{CommandId, Generic, HealthEntry};
@@ -64,6 +64,10 @@ pub struct Sonar {
     settings: VecDeque<Unset>,
     /// Those that were rejected, and are tried again with the next health check.
     rejected: VecDeque<Unset>,
+    /// The sensors that are reported to be starting on this connection.
+    starting: BTreeSet<i32>,
+    /// Whether imagery that nobody wants was reported on this connection.
+    not_subscribed: bool,
     due: Due,
     alarms: Alarms,
     logging: Logging,
@@ -142,6 +146,8 @@ impl Sonar {
             orders: VecDeque::new(),
             settings: VecDeque::new(),
             rejected: VecDeque::new(),
+            starting: BTreeSet::new(),
+            not_subscribed: false,
             due: Due::default(),
             alarms: Alarms::default(),
             logging: Logging::default(),

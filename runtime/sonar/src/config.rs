@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use backseat_s7k::plc::Generic;
 use backseat_s7k::{BluefinChecksum, SensorIndex};
-use serde::{Deserialize, Serialize};
+use serde::de::{Error as _, Unexpected};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::order::check_setting;
 
@@ -17,6 +18,7 @@ pub struct SonarConfig {
     pub host: String,
     /// The controller's TCP port, 1 to 65535. Default 7000: no port is published for the 6046, and this is the port of
     /// its successor.
+    #[serde(deserialize_with = "port")]
     pub port: u16,
     /// The sensors of the controller whose data are wanted, at most 16. Default: none.
     pub sensor: Vec<SensorConfig>,
@@ -201,6 +203,13 @@ pub struct ConfigError {
 pub(crate) const SENSORS_MAX: usize = 16;
 /// How many record types of a sensor may be subscribed to.
 const RECORDS_MAX: usize = 8;
+
+/// Reads a port, and names its range, which the type alone does not.
+fn port<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u16, D::Error> {
+    let number = i64::deserialize(deserializer)?;
+    let port = u16::try_from(number).ok().filter(|port| *port > 0);
+    port.ok_or_else(|| D::Error::invalid_value(Unexpected::Signed(number), &"1 to 65535"))
+}
 
 impl Default for SonarConfig {
     fn default() -> Self {

@@ -19,6 +19,8 @@ pub enum Event {
     Connected,
     /// The connection was lost, could not be made, or was reset.
     Disconnected {
+        /// The controller's host and port.
+        address: Box<str>,
         /// Why.
         why: &'static str,
         /// The next attempt comes after this, seconds; `None` if none comes.
@@ -34,6 +36,33 @@ pub enum Event {
         sensor: SensorIndex,
         /// What became of it.
         why: Box<str>,
+    },
+    /// A sensor rejects its settings, as each does that has not started yet. Reported once on a connection.
+    SensorStarting {
+        /// The sensor.
+        sensor: SensorIndex,
+        /// Its settings are sent again after this, seconds.
+        again_s: f64,
+    },
+    /// A sensor does not take a setting of the mission.
+    SettingFailed {
+        /// The sensor.
+        sensor: SensorIndex,
+        /// The setting with its value, as it was sent.
+        setting: Box<str>,
+        /// What became of it.
+        why: Box<str>,
+        /// Whether it is sent again.
+        again: bool,
+    },
+    /// Imagery of a device or a type that no configured sensor has. Reported once on a connection.
+    NotSubscribed {
+        /// The record's device.
+        device: u32,
+        /// The record's type.
+        record_type: u32,
+        /// Devices and types of the configured sensors.
+        expected: Vec<(u32, Vec<u32>)>,
     },
     /// The controller's version.
     Version {
@@ -136,6 +165,9 @@ impl Event {
             | Self::ControllerShutdown => true,
             Self::Connected
             | Self::CommandFailed { .. }
+            | Self::SensorStarting { .. }
+            | Self::SettingFailed { .. }
+            | Self::NotSubscribed { .. }
             | Self::Version { .. }
             | Self::Modules { .. }
             | Self::RunList { .. }
@@ -153,8 +185,8 @@ impl std::fmt::Display for Event {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Connected => f.write_str("connected to the payload controller"),
-            Self::Disconnected { why, retry_s } => {
-                write!(f, "no connection to the payload controller: {why}")?;
+            Self::Disconnected { address, why, retry_s } => {
+                write!(f, "no connection to the payload controller at {address}: {why}")?;
                 match retry_s {
                     Some(retry_s) => write!(f, "; next attempt in {retry_s:.1} s"),
                     None => Ok(()),
@@ -165,6 +197,41 @@ impl std::fmt::Display for Event {
                 write!(f, "command {command:?} {why}")
             }
             Self::CommandFailed { command, sensor, why } => write!(f, "command {command:?} for sensor {sensor} {why}"),
+            Self::SensorStarting { sensor, again_s } => {
+                write!(
+                    f,
+                    "sensor {sensor} is starting; its settings are sent again every {again_s:.0} s"
+                )
+            }
+            Self::SettingFailed {
+                sensor,
+                setting,
+                why,
+                again,
+            } => {
+                let then = if *again {
+                    "it is sent again with each health check; look at the value"
+                } else {
+                    "it is not sent again"
+                };
+                write!(f, "setting \"{setting}\" for sensor {sensor} {why}; {then}")
+            }
+            Self::NotSubscribed {
+                device,
+                record_type,
+                expected,
+            } => {
+                write!(f, "not used: records {record_type} of device {device}; expected")?;
+                for (place, (device, records)) in expected.iter().enumerate() {
+                    let records: Vec<String> = records.iter().map(u32::to_string).collect();
+                    let comma = if place == 0 { "" } else { "," };
+                    write!(f, "{comma} {} of device {device}", records.join(" and "))?;
+                }
+                match expected.is_empty() {
+                    true => f.write_str(" none, because [sonar] has no [[sonar.sensor]]"),
+                    false => Ok(()),
+                }
+            }
             Self::Version { version } => write!(f, "the payload controller has version {version}"),
             Self::Modules { modules } => {
                 write!(f, "{} sensor modules", modules.len())?;

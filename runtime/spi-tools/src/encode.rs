@@ -6,6 +6,7 @@ use serde::de::IgnoredAny;
 use serde_json::Value;
 
 use crate::error::Error;
+use crate::list::as_json;
 use crate::reading::Message;
 use crate::sheet::entry;
 
@@ -92,7 +93,7 @@ fn object(line: u64, text: &[u8]) -> Result<Message, Error> {
         column: error.column(),
         fault: without_place(&error.to_string()),
     })?;
-    let Some(direction) = entry(&name).map(|entry| entry.direction) else {
+    let Some(entry) = entry(&name) else {
         return Err(Error::Name { line, name });
     };
     let message = match (message, error) {
@@ -108,7 +109,7 @@ fn object(line: u64, text: &[u8]) -> Result<Message, Error> {
     };
     let mut track = serde_path_to_error::Track::new();
     let fields = serde_path_to_error::Deserializer::new(message, &mut track);
-    let read = match direction {
+    let read = match entry.direction {
         Direction::FromVehicle => FromVehicle::deserialize_named(&name, fields).map(Message::FromVehicle),
         Direction::ToVehicle => ToVehicle::deserialize_named(&name, fields).map(Message::ToVehicle),
     };
@@ -116,7 +117,9 @@ fn object(line: u64, text: &[u8]) -> Result<Message, Error> {
         line,
         name,
         field_path: track.path().to_string(),
-        fault: error.to_string(),
+        // serde names a type of Rust.
+        fault: error.to_string().replace("expected f64", "expected a number"),
+        example: as_json(entry).unwrap_or_default(),
     })
 }
 
@@ -173,11 +176,12 @@ mod tests {
     fn what_is_wrong_is_said_with_line_field_and_what_was_expected() {
         assert_eq!(
             fault("\n{\"name\":\"BPSTS\",\"message\":{\"created\":\"08:10:25\",\"ok\":\"yes\",\"text\":\"\"}}"),
-            "line 2: BPSTS field ok: invalid type: string \"yes\", expected a boolean; see `backseat spi list BPSTS`"
+            "line 2: BPSTS field ok: invalid type: string \"yes\", expected a boolean; a valid one is \
+             {\"name\":\"BPSTS\",\"checksum\":\"valid\",\"message\":{\"created\":\"08:10:25.987\",\"ok\":true,\"text\":\"all ok\"}}"
         );
-        assert_eq!(
-            fault("{\"name\":\"BPSTS\",\"message\":{\"created\":\"08:10:25\",\"ok\":true}}"),
-            "line 1: BPSTS: missing field `text`; see `backseat spi list BPSTS`"
+        assert!(
+            fault("{\"name\":\"BPSTS\",\"message\":{\"created\":\"08:10:25\",\"ok\":true}}")
+                .starts_with("line 1: BPSTS: missing field `text`; a valid one is {\"name\":\"BPSTS\",")
         );
         assert!(
             fault("{\"name\":\"BPSTS\",\"message\":{\"okay\":true}}")

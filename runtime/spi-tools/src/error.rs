@@ -66,7 +66,7 @@ pub enum Error {
         name: String,
     },
     /// A field of a line to encode is missing, has the wrong type, or is unknown.
-    #[error("line {line}: {name}{}: {fault}; see `backseat spi list {name}`", within(field_path))]
+    #[error("line {line}: {name}{}: {fault}; a valid one is {example}", within(field_path))]
     Field {
         /// The line, from 1.
         line: u64,
@@ -76,6 +76,8 @@ pub enum Error {
         field_path: String,
         /// What is wrong, and what was expected.
         fault: String,
+        /// A valid message of that name.
+        example: String,
     },
     /// A value that cannot be encoded.
     #[error("line {line}: {source}")]

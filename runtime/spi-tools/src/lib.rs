@@ -18,6 +18,7 @@ mod splitter;
 mod subscription;
 mod tally;
 mod text;
+mod traffic;
 mod watch;
 
 pub use address::Address;
@@ -29,3 +30,4 @@ pub use list::{Listing, list};
 pub use sheet::Form;
 pub use subscription::Subscription;
 pub use tally::Tally;
+pub use traffic::{Traffic, decode_traffic};

@@ -136,7 +136,7 @@ fn whole(entry: &Entry, paint: Paint, out: &mut impl Write) -> std::io::Result<(
 }
 
 /// The example as `decode --json` writes it and `encode` reads it.
-fn as_json(entry: &Entry) -> std::io::Result<String> {
+pub(crate) fn as_json(entry: &Entry) -> std::io::Result<String> {
     let piece = Piece {
         bytes: entry.example.as_bytes(),
         end: End::Line,

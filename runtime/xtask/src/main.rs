@@ -61,7 +61,8 @@ enum Task {
     Mutants(mutants::Mutants),
     /// Fly the same seeds in several processes and builds, and compare the results
     Digest(digest::Digest),
-    /// Open the exports of `s7k export` with readers that others wrote (from PyPI), and compare every figure
+    /// Open the exports of `s7k export` and `log export` with readers that others wrote (from PyPI), and compare every
+    /// figure
     Exports,
     /// Generate the pages in runtime/docs/reference and the schemas in missions/schemas from runtime/reference/keys
     Reference,

@@ -6,9 +6,10 @@ use anyhow::{Context, Result, bail};
 use crate::cargo::{root, target};
 use crate::compile::compile_with;
 
-/// The crates that only simulation needs.
-const ASHORE: [&str; 8] = [
+/// The crates that only simulation needs, and those with which people look at a dive ashore.
+const ASHORE: [&str; 9] = [
     "backseat-acoustics",
+    "backseat-log-export",
     "backseat-mvc",
     "backseat-world",
     "backseat-oracle",
@@ -21,7 +22,7 @@ const ASHORE: [&str; 8] = [
 /// Checks that the program for sea contains no simulator: none of these crates is in its dependency tree.
 pub(crate) fn sea(root: &Path, faults: &mut Vec<String>) -> Result<()> {
     let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-        .args(["tree", "--offline", "--package", "backseat", "--edges", "normal"])
+        .args(["tree", "--locked", "--package", "backseat", "--edges", "normal"])
         .args(["--no-default-features", "--features", "sea", "--prefix", "none"])
         .current_dir(root)
         .output()

@@ -76,15 +76,14 @@ fn with_sonar(folder: &std::path::Path, interval_us: u32, period_ms: u32) -> Mis
     };
     append(
         "mission.toml",
-        "\n[sonar]\n[[sonar.sensor]]\nindex = 1\ndevice = 11001\nrecords = [3000]\n\n[[plugin.ping]]\nsensor = 1\n\
+        "\n[sonar]\n[[sonar.sensor]]\nindex = 0\ndevice = 11001\nrecords = [3000]\n\n[[plugin.ping]]\nsensor = 0\n\
          samples = 455\ndecimation = \"maximum\"\n",
     );
     append(
         "world.toml",
         &format!(
             "\n[plc]\nauto_start = true\n[plc.sidescan_low]\nrange_m = {RANGE_M}\nperiod_ms = {period_ms}\n\
-             sample_interval_us = {interval_us}\n\n[[plc.sensor]]\nkind = \"sub_bottom\"\nname = \"SBP\"\n\
-             \n[[plc.sensor]]\nkind = \"sidescan_low\"\nname = \"SSL\"\n\
+             sample_interval_us = {interval_us}\n\n[[plc.sensor]]\nkind = \"sidescan_low\"\nname = \"SSL\"\n\
              \n[[plc.sensor]]\nkind = \"bluefin\"\nname = \"AUV\"\n"
         ),
     );

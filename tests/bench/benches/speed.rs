@@ -162,6 +162,8 @@ fn fly(mission: &Mission, scenario: &Scenario, host: &Host, log: &Path) -> (Vec<
         seed: Some(SEED),
         resolved_mission: &mission.resolved,
         fence: &mission.fence_text,
+        origin: mission.envelope.fence().frame().origin(),
+        world: Some(&scenario.text),
         components: &loaded.components,
         version: env!("CARGO_PKG_VERSION"),
     };

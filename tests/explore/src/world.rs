@@ -366,6 +366,7 @@ impl World {
                 };
                 let returned = Returned {
                     fuel: 0,
+                    measures: Vec::new(),
                     log: Vec::new(),
                     result,
                 };

@@ -214,6 +214,8 @@ impl<'a> Flown<'a> {
                     seed: Some(plan.seed),
                     resolved_mission: &mission.resolved,
                     fence: &mission.fence_text,
+                    origin: mission.envelope.fence().frame().origin(),
+                    world: Some(&scenario.text),
                     components: &loaded.components,
                     version: env!("CARGO_PKG_VERSION"),
                 },
@@ -479,6 +481,15 @@ impl<'a> Flown<'a> {
             self.failures.push(Failure {
                 rule: "never-sends-again".to_owned(),
                 text: format!("{had_s:.0} s of control after the last fault, and nothing was sent"),
+                at: None,
+            });
+        }
+        let counts = &report.requests;
+        // An open request may wait, or wait for its answer; an ended one does neither.
+        if !counts.add_up() || counts.waiting + counts.undecided > report.requests_open as u64 {
+            self.failures.push(Failure {
+                rule: "requests-add-up".to_owned(),
+                text: format!("{counts}; {} open", report.requests_open),
                 at: None,
             });
         }

@@ -373,6 +373,7 @@ impl Dive {
         let returned = Returned {
             fuel: 1,
             log: Vec::new(),
+            measures: Vec::new(),
             result: Ok(core::mem::take(&mut self.asked)),
         };
         self.answers

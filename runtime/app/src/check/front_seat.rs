@@ -102,10 +102,10 @@ impl FrontSeat {
             } else {
                 "its first position"
             };
-            say!(
-                "plan: {whence}, all {} behaviors and the paths between them lie inside the fence",
-                plan.behaviors.len()
-            );
+            match plan.behaviors.len() {
+                1 => say!("plan: {whence}, its behavior and the path to it lie inside the fence"),
+                many => say!("plan: {whence}, all {many} behaviors and the paths between them lie inside the fence"),
+            }
         }
         findings.extend(outside.into_iter().map(|(finding, why)| match fence.changes() {
             true => format!("{finding} (start of the dive: {why})"),

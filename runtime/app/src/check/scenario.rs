@@ -8,6 +8,7 @@ use backseat_scenario::Scenario;
 
 use super::front_seat::FrontSeat;
 use crate::output::say;
+use crate::sonar_settings::beyond_sonar;
 use crate::surroundings::beyond_limits;
 
 /// The front seat of the mission's scenario, where the mission has one.
@@ -24,7 +25,8 @@ pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<Front
     let simulated = scenario
         .vehicle(1)
         .with_context(|| format!("{}", scenario.path.display()))?;
-    for line in beyond_limits(mission, &scenario, simulated.world()) {
+    let limits = beyond_limits(mission, &scenario, simulated.world());
+    for line in limits.into_iter().chain(beyond_sonar(mission, &scenario)) {
         say!("warning: {line}");
     }
     let start = scenario

@@ -89,6 +89,11 @@ impl Summary {
             self.sent / 1000,
             self.notes
         );
+        say!(
+            "  metres count from {:.6} {:.6}",
+            run.origin.latitude.as_deg(),
+            run.origin.longitude.as_deg()
+        );
         for attachment in &log.attachments {
             say!("  attached: {}, {} bytes", attachment.name, attachment.data.len());
         }
@@ -114,6 +119,10 @@ impl Summary {
             "mission": run.mission,
             "seed": run.seed,
             "version": run.version,
+            "origin": {
+                "latitude_deg": run.origin.latitude.as_deg(),
+                "longitude_deg": run.origin.longitude.as_deg(),
+            },
             "utc_at_start": Rfc3339(run.utc_at_start).to_string(),
             "seconds": self.seconds,
             "complete": log.complete,

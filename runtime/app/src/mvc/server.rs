@@ -4,18 +4,17 @@ use std::time::Duration;
 
 use anyhow::Result;
 use backseat_mvc::{ClientId, Direction, LinkFaults};
-use backseat_scenario::{Scenario, true_pose};
+use backseat_scenario::true_pose;
 use backseat_units::Timestamp;
-use tokio::net::TcpStream;
+use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::mpsc;
 
-use super::Mvc;
 use crate::clock::Clock;
 use crate::mvc::connection::Connection;
 use crate::mvc::log::Log;
 use crate::mvc::status::Status;
-use crate::peer::{Heard, listen};
-use crate::plc::controller::{Controller, Inbox, Message, Setup};
+use crate::peer::Heard;
+use crate::plc::controller::{Controller, Inbox, Message};
 use crate::speed::Speed;
 
 /// A client with more unread bytes than this is disconnected: it is too slow, and nothing else waits for it.
@@ -48,92 +47,96 @@ struct Server {
     clients: u32,
     log: Option<Log>,
     status: Status,
+    spectator: Option<Spectator>,
     scratch: Vec<u8>,
     flush_at: Duration,
     accept_at: Duration,
     sentences: (u64, u64),
 }
 
-/// Serves until a signal arrives or the given duration is over.
-pub(crate) async fn serve(
-    arguments: &Mvc,
-    scenario: &Scenario,
-    vehicle: backseat_mvc::Mvc,
-    faults: LinkFaults,
-    log: Option<Log>,
-) -> Result<()> {
-    let listener = listen(&arguments.listen, "--listen").await?;
-    let (heard_by, mut heard) = mpsc::unbounded_channel();
-    let clock = Clock::start();
-    let (controller, mut inbox) = match &arguments.with_plc {
-        Some(address) => {
-            let setup = Setup {
-                address,
-                option: "--with-plc",
-                folder: arguments.plc_folder.as_deref(),
-                seed: arguments.seed,
-                utc: scenario.world.start.utc,
-            };
-            let (controller, inbox) = Controller::start(scenario, setup, clock).await?;
-            (Some(controller), Some(inbox))
-        }
-        None => (None, None),
-    };
-    let mut server = Server {
-        vehicle,
-        controller,
-        faults,
-        clock,
-        speed: arguments.speed,
-        at: Timestamp::ZERO,
-        end: arguments
-            .duration
-            .map(|seconds| Timestamp::ZERO + Duration::from_secs_f64(seconds)),
-        connections: BTreeMap::new(),
-        heard: heard_by,
-        clients: 0,
-        log,
-        status: Status::new(),
-        scratch: Vec::new(),
-        flush_at: Duration::ZERO,
-        accept_at: Duration::ZERO,
-        sentences: (0, 0),
-    };
-    server
-        .status
-        .say(Duration::ZERO, &format!("listening on {}", listener.local_addr()?));
-    let mut terminate = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate())?;
-    let mut interrupt = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::interrupt())?;
-    while !server.ended() {
-        // The vehicle comes first, whatever its clients do; each client has at most one read waiting here.
-        server.step();
-        while let Ok(what) = heard.try_recv() {
-            server.hear(what);
+/// What a served vehicle is made of.
+pub(crate) struct Service {
+    pub(crate) listener: TcpListener,
+    pub(crate) vehicle: backseat_mvc::Mvc,
+    pub(crate) faults: LinkFaults,
+    /// The payload controller on the vehicle.
+    pub(crate) controller: Option<(Controller, Inbox)>,
+    pub(crate) clock: Clock,
+    pub(crate) speed: Speed,
+    pub(crate) end: Option<Timestamp>,
+    pub(crate) log: Option<Log>,
+    pub(crate) status: Status,
+    /// Sees the vehicle after each of its steps.
+    pub(crate) spectator: Option<Spectator>,
+}
+
+/// Whoever sees the vehicle after its steps.
+pub(crate) type Spectator = Box<dyn FnMut(&backseat_mvc::Mvc)>;
+
+impl Service {
+    /// Serves until `ended`, or until the vehicle's time has reached the end. Returns the vehicle as it is then.
+    ///
+    /// # Errors
+    ///
+    /// If a file is incomplete: the log, or one of the payload controller.
+    pub(crate) async fn serve(self, ended: impl Future<Output = ()>) -> Result<backseat_mvc::Mvc> {
+        let listener = self.listener;
+        let (heard_by, mut heard) = mpsc::unbounded_channel();
+        let (controller, mut inbox) = self.controller.unzip();
+        let mut server = Server {
+            vehicle: self.vehicle,
+            controller,
+            faults: self.faults,
+            clock: self.clock,
+            speed: self.speed,
+            at: Timestamp::ZERO,
+            end: self.end,
+            connections: BTreeMap::new(),
+            heard: heard_by,
+            clients: 0,
+            log: self.log,
+            status: self.status,
+            spectator: self.spectator,
+            scratch: Vec::new(),
+            flush_at: Duration::ZERO,
+            accept_at: Duration::ZERO,
+            sentences: (0, 0),
+        };
+        server
+            .status
+            .say(Duration::ZERO, &format!("listening on {}", listener.local_addr()?));
+        let mut ended = std::pin::pin!(ended);
+        while !server.ended() {
+            // The vehicle comes first, whatever its clients do; each client has at most one read waiting here.
             server.step();
+            while let Ok(what) = heard.try_recv() {
+                server.hear(what);
+                server.step();
+            }
+            server.play_faults();
+            server.look_after();
+            tokio::select! {
+                biased;
+                () = &mut ended => break,
+                accepted = listener.accept(), if server.clock.elapsed() >= server.accept_at => match accepted {
+                    Ok((stream, address)) => server.welcome(stream, address),
+                    Err(error) => server.not_accepted(&error),
+                },
+                Some(what) = heard.recv() => server.hear(what),
+                message = next(&mut inbox) => server.pass(message),
+                () = server.wait() => {}
+            }
         }
-        server.play_faults();
-        server.look_after();
-        tokio::select! {
-            biased;
-            _ = interrupt.recv() => break,
-            _ = terminate.recv() => break,
-            accepted = listener.accept(), if server.clock.elapsed() >= server.accept_at => match accepted {
-                Ok((stream, address)) => server.welcome(stream, address),
-                Err(error) => server.not_accepted(&error),
-            },
-            Some(what) = heard.recv() => server.hear(what),
-            message = next(&mut inbox) => server.pass(message),
-            () = server.wait() => {}
-        }
+        server.say_farewell(&mut heard).await;
+        let now = server.at;
+        let ended = match (&mut server.controller, &mut inbox) {
+            (Some(controller), Some(inbox)) => controller.end(now, inbox).await,
+            _ => Ok(()),
+        };
+        server.tell_of_controller();
+        let (vehicle, finished) = server.finish();
+        ended.and(finished).map(|()| vehicle)
     }
-    server.say_farewell(&mut heard).await;
-    let now = server.at;
-    let ended = match (&mut server.controller, &mut inbox) {
-        (Some(controller), Some(inbox)) => controller.end(now, inbox).await,
-        _ => Ok(()),
-    };
-    server.tell_of_controller();
-    ended.and(server.finish())
 }
 
 /// The next message for the payload controller; never without one.
@@ -170,10 +173,10 @@ impl Server {
             (Some(due), Speed::Times(times)) => {
                 let due = [self.arrives(), pings].into_iter().flatten().fold(due, Timestamp::min);
                 let real = Timestamp::ZERO + Duration::from_nanos(due.as_nanos()).div_f64(times);
-                tokio::time::sleep_until(self.clock.instant(real.min(soon))).await;
+                self.clock.sleep_until(real.min(soon)).await;
             }
             (_, Speed::Max) | (None, Speed::Times(_)) => {
-                tokio::time::sleep_until(self.clock.instant(soon)).await;
+                self.clock.sleep_until(soon).await;
             }
         }
     }
@@ -206,6 +209,9 @@ impl Server {
                 controller.truth(due, true_pose(&self.vehicle));
             }
             self.tell_of_controller();
+            if let Some(spectator) = &mut self.spectator {
+                spectator(&self.vehicle);
+            }
             self.play_faults();
             self.flush();
             if self.clock.elapsed() >= until {
@@ -455,12 +461,12 @@ impl Server {
                     // Too late for the vehicle.
                     Heard::Bytes(..) => {}
                 },
-                () = tokio::time::sleep_until(self.clock.instant(until)) => return,
+                () = self.clock.sleep_until(until) => return,
             }
         }
     }
 
-    fn finish(mut self) -> Result<()> {
+    fn finish(mut self) -> (backseat_mvc::Mvc, Result<()>) {
         self.status.end();
         let (lines, writes) = self.sentences;
         let text = format!(
@@ -470,6 +476,6 @@ impl Server {
             self.clients,
         );
         self.status.say(self.clock.elapsed(), &text);
-        self.log.map_or(Ok(()), Log::finish)
+        (self.vehicle, self.log.map_or(Ok(()), Log::finish))
     }
 }

@@ -3,7 +3,7 @@ use std::time::Duration;
 
 use backseat_mvc::{Activity, Behavior, ClientId, Mvc, MvcEvent, MvcEventKind};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use tracing::info;
+use tracing::{debug, info};
 
 use crate::events::Events;
 
@@ -19,6 +19,7 @@ pub(crate) struct Status {
     behavior: Option<Behavior>,
     last_command: Option<String>,
     events: Events,
+    quiet: bool,
 }
 
 impl Status {
@@ -34,11 +35,25 @@ impl Status {
             behavior: None,
             last_command: None,
             events: Events::default(),
+            quiet: false,
+        }
+    }
+
+    /// Shows nothing, unless BACKSEAT_LOG=debug: somebody else has the screen.
+    pub(crate) fn quiet() -> Self {
+        Self {
+            bar: None,
+            quiet: true,
+            ..Self::new()
         }
     }
 
     /// Prints a line of text.
     pub(crate) fn say(&mut self, now: Duration, text: &str) {
+        if self.quiet {
+            debug!("vehicle: {text}");
+            return;
+        }
         let bar = self.bar.as_ref();
         self.events.show(now, text, |text| match bar {
             Some(bar) => bar.suspend(|| info!("{text}")),
@@ -70,7 +85,7 @@ impl Status {
 
     /// Shows where the vehicle is, if an update is due.
     pub(crate) fn update(&mut self, now: Duration, vehicle: &Mvc, clients: usize) {
-        if now < self.next {
+        if self.quiet || now < self.next {
             return;
         }
         let (doing, place) = (self.doing(vehicle, clients), place(vehicle));
@@ -124,7 +139,7 @@ impl Status {
 }
 
 /// Where the vehicle is, and how it moves.
-fn place(vehicle: &Mvc) -> String {
+pub(crate) fn place(vehicle: &Mvc) -> String {
     let truth = vehicle.truth();
     let (east, north) = (truth.local.east_m, truth.local.north_m);
     format!(

@@ -62,6 +62,11 @@ pub(crate) struct Inbox {
 }
 
 impl Inbox {
+    /// The address on which the controller listens.
+    pub(crate) fn address(&self) -> std::io::Result<SocketAddr> {
+        self.listener.local_addr()
+    }
+
     /// The next message. A call that is given up loses none.
     pub(crate) async fn next(&mut self) -> Message {
         tokio::select! {

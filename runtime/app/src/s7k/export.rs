@@ -1,14 +1,17 @@
 //! `backseat s7k export`: formats and their options.
 
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use backseat_s7k_tools::{
     AltitudeFrom, Blend, Crs, CsvOf, Error, Exported, GainBy, Moment, Mosaic, Nadir, Selection, Signal, Waterfall,
     export_csv, export_mosaic, export_segy, export_waterfall, export_xtf,
 };
+use clap::builder::{EnumValueParser, PossibleValue, TypedValueParser};
+use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
 
-use super::Recording;
+use super::Recordings;
 
 /// A format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -25,12 +28,38 @@ enum Format {
     Xtf,
 }
 
+/// Reads a format. `cut` and `dump` have `--to` for a time, so a time here is worth a hint.
+#[derive(Clone, Copy, Debug)]
+struct FormatParser;
+
+impl TypedValueParser for FormatParser {
+    type Value = Format;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<Format, clap::Error> {
+        if value.to_str().is_some_and(|text| text.parse::<Moment>().is_ok()) {
+            let text = "--to is the format of an export: for the end of the time, use --until\n";
+            return Err(clap::Error::raw(ErrorKind::InvalidValue, text).with_cmd(command));
+        }
+        EnumValueParser::<Format>::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let values = Format::value_variants().iter();
+        Some(Box::new(values.filter_map(ValueEnum::to_possible_value)))
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct S7kExport {
     #[command(flatten)]
-    recording: Recording,
+    recordings: Recordings,
     /// The format
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = FormatParser)]
     to: Format,
     /// Write to this file; it is replaced if it exists, once the new one is complete
     #[arg(long, value_name = "FILE")]
@@ -139,7 +168,7 @@ fn sound_speed(text: &str) -> Result<f64, String> {
 impl S7kExport {
     pub(super) fn export(&self) -> Result<Exported, Error> {
         self.check_options()?;
-        let source = self.recording.open()?;
+        let source = self.recordings.open()?;
         let selection = Selection {
             types: Vec::new(),
             devices: self.device.into_iter().collect(),

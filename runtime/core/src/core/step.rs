@@ -40,6 +40,9 @@ impl Core {
         for line in returned.log {
             self.cx.note(Note::PluginLog { plugin, line });
         }
+        for measure in returned.measures {
+            self.cx.note(Note::PluginMeasure { plugin, measure });
+        }
         match self.cx.plugins.returned(self.cx.now, plugin) {
             Step::Counts => {}
             Step::Dropped => return,

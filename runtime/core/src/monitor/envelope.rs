@@ -241,7 +241,7 @@ impl Envelope {
             ));
         }
         Ok(Setpoint {
-            heading: Heading::from_deg(request.heading_deg).map_err(Figure::Heading.out_of_range())?,
+            heading: heading(request.heading_deg, Figure::Heading)?,
             vertical: vertical(request.vertical)?,
             speed: self.speed(request.speed_mps)?,
         })
@@ -276,11 +276,7 @@ impl Envelope {
             return Err(Figure::CircleOrbits.not_within(request.orbits.abs(), 0.0, 100.0));
         }
         let entry_angle_deg = match request.entry_angle_deg {
-            Some(deg) => Some(
-                Heading::from_deg(deg)
-                    .map_err(Figure::EntryAngle.out_of_range())?
-                    .as_deg(),
-            ),
+            Some(deg) => Some(heading(deg, Figure::EntryAngle)?.as_deg()),
             None => None,
         };
         Ok(Insert {
@@ -618,6 +614,14 @@ fn vertical(request: VerticalRequest) -> Result<Vertical, Refusal> {
             Altitude::from_m(m).map_err(Figure::Altitude.out_of_range())?,
         )),
     }
+}
+
+/// A full turn in each direction is room enough. What is beyond it was not meant as a heading, so it is refused.
+fn heading(deg: f64, figure: Figure) -> Result<Heading, Refusal> {
+    if !(-360.0..=360.0).contains(&deg) {
+        return Err(figure.not_within(deg, -360.0, 360.0));
+    }
+    Heading::from_deg(deg).map_err(figure.out_of_range())
 }
 
 fn position(request: PositionRequest) -> Result<Position, Refusal> {

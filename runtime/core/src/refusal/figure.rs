@@ -165,6 +165,41 @@ figures! {
     BearingOffset "bearing-offset" "offset of the bearing" "deg" Limit "external.offset_max_deg";
 }
 
+/// A value that JSON has no number for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NotFinite {
+    /// Not a number.
+    Nan,
+    /// Infinite.
+    Infinity,
+    /// Infinite, below zero.
+    MinusInfinity,
+}
+
+impl NotFinite {
+    /// What a value is; `None` if it is finite.
+    const fn of(value: f64) -> Option<Self> {
+        if value.is_nan() {
+            Some(Self::Nan)
+        } else if value == f64::INFINITY {
+            Some(Self::Infinity)
+        } else if value == f64::NEG_INFINITY {
+            Some(Self::MinusInfinity)
+        } else {
+            None
+        }
+    }
+
+    const fn text(self) -> &'static str {
+        match self {
+            Self::Nan => "NaN",
+            Self::Infinity => "infinite",
+            Self::MinusInfinity => "minus infinite",
+        }
+    }
+}
+
 /// A figure that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FigureBreach {
@@ -172,6 +207,9 @@ pub struct FigureBreach {
     pub figure: Figure,
     /// Its value, or what that would be; `None` if it is not a finite number.
     pub value: Option<f64>,
+    /// What it is if it is not a finite number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_finite: Option<NotFinite>,
     /// The least allowed value, if there is one.
     pub least: Option<f64>,
     /// The greatest allowed value, if there is one.
@@ -209,6 +247,7 @@ impl Figure {
         Refusal::Figure(FigureBreach {
             figure: self,
             value: finite(value),
+            not_finite: NotFinite::of(value),
             least: least.and_then(finite),
             most: most.and_then(finite),
         })
@@ -220,13 +259,15 @@ impl fmt::Display for FigureBreach {
         let Self {
             figure,
             value,
+            not_finite,
             least,
             most,
         } = self;
         write!(f, "{} is ", figure.spoken())?;
-        match value {
-            Some(value) => Decimal(*value).fmt(f)?,
-            None => f.write_str("not a finite number")?,
+        match (value, not_finite) {
+            (Some(value), _) => Decimal(*value).fmt(f)?,
+            (None, Some(what)) => f.write_str(what.text())?,
+            (None, None) => f.write_str("not a finite number")?,
         }
         match (least, most) {
             (Some(least), Some(most)) => write!(f, "; expected {} to {}", Decimal(*least), Decimal(*most))?,
@@ -271,7 +312,7 @@ mod tests {
         );
         assert_eq!(
             told(Figure::Depth.under(f64::NAN, 0.0)),
-            "limit: depth is not a finite number; expected at least 0 m"
+            "limit: depth is NaN; expected at least 0 m"
         );
     }
 

@@ -99,8 +99,8 @@ fn figures_beyond_the_limits_are_rejected_and_never_clamped() {
     let mut trial = hovering();
     let bad = [
         (sonar(1, 45.1), "angle of the sonar is 45.1; expected -45 to 45 deg"),
-        (sonar(2, f64::NAN), "is not a finite number"),
-        (sonar(3, f64::NEG_INFINITY), "is not a finite number"),
+        (sonar(2, f64::NAN), "is NaN"),
+        (sonar(3, f64::NEG_INFINITY), "is minus infinite"),
         (
             camera(4, 10, 0, 0),
             "pan of the camera is 10; expected -9 to 9 tenths of a second",

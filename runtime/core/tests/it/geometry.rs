@@ -3,7 +3,7 @@ use backseat_core::plugin::{ModifyRequest, Request, TrackcircleRequest, Tracklin
 use backseat_core::{Limits, Start, plugin::Judge};
 use backseat_units::EastNorth;
 
-use crate::course::{LIFTED, circle, harbour, limits, line, modify};
+use crate::course::{LIFTED, circle, harbour, limits, line, modify, turn};
 use crate::trial::{Setup, Trial, shorts};
 
 /// The rejection of a request that must never reach the vehicle.
@@ -417,4 +417,26 @@ fn a_plugins_query_gets_the_same_verdict_as_its_request() {
         1,
     );
     assert_eq!(text, refusal.to_string());
+}
+
+#[test]
+fn a_heading_beyond_a_full_turn_is_rejected_and_nan_is_called_nan() {
+    for (heading_deg, said) in [
+        (361.0, "heading is 361; expected -360 to 360 deg"),
+        (-360.5, "heading is -360.5; expected -360 to 360 deg"),
+        (9000.0, "heading is 9000; expected -360 to 360 deg"),
+        (f64::NAN, "heading is NaN; expected -360 to 360 deg"),
+        (f64::INFINITY, "heading is infinite; expected -360 to 360 deg"),
+    ] {
+        let mut trial = Trial::under_way();
+        let text = rejected(&mut trial, turn(1, heading_deg), 1);
+        assert_eq!(text, format!("limit: {said}"));
+        assert!(trial.commands("RMB").is_empty());
+    }
+    for heading_deg in [360.0, -360.0, -90.0] {
+        let mut trial = Trial::under_way();
+        trial.ask(0, [turn(1, heading_deg)]);
+        trial.run_for(0.5);
+        assert!(shorts(&trial.states(1)).contains(&"sent"), "{heading_deg}");
+    }
 }

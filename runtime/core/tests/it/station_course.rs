@@ -229,7 +229,7 @@ fn sr_005_station_keeping_needs_a_grant_an_armed_runtime_a_table_and_figures_wit
                 speed_mps: Some(f64::NAN),
                 ..station(4)
             },
-            "speed of station keeping is not a finite number",
+            "speed of station keeping is NaN",
         ),
         (
             StationRequest {
@@ -240,7 +240,7 @@ fn sr_005_station_keeping_needs_a_grant_an_armed_runtime_a_table_and_figures_wit
         ),
         (
             to_bottom(6, 0.0, 0.0, VerticalRequest::DepthM(f64::NAN)),
-            "depth is not a finite number",
+            "depth is NaN",
         ),
         (
             to_bottom(7, 0.0, 0.0, VerticalRequest::DepthM(-1.0)),

@@ -460,6 +460,7 @@ impl Trial {
         }
         let returned = Returned {
             fuel: 1,
+            measures: Vec::new(),
             log: Vec::new(),
             result,
         };

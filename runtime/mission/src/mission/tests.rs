@@ -61,7 +61,7 @@ fn flags_lie_over_the_file() {
 fn faults_name_file_line_and_what_was_expected() {
     let unknown = fault(&MISSION.replace("turn_rate_dps", "turn_rate"), &[]);
     assert!(
-        unknown.contains("mission.toml:5: unknown field `turn_rate`, expected one of"),
+        unknown.contains("mission.toml:5: unknown field `turn_rate`: did you mean `turn_rate_dps`?"),
         "{unknown}"
     );
     let wrong = fault(&MISSION.replace("= 2.0", "= \"fast\""), &[]);
@@ -479,12 +479,12 @@ fn a_payload_controller_that_makes_no_sense_is_named() {
         (
             "host = \"192.168.1.20\"",
             "port = 0",
-            "sonar.port is 0: expected within 1 to 65535",
+            "port: invalid value: integer `0`, expected 1 to 65535",
         ),
         (
             "host = \"192.168.1.20\"",
             "port = 70000",
-            "port: invalid value: integer `70000`, expected a whole number, 0 to 65535",
+            "port: invalid value: integer `70000`, expected 1 to 65535",
         ),
         (
             "[3001]",

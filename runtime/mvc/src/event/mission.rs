@@ -20,6 +20,8 @@ pub enum MissionEvent {
     },
     /// A GPS hit has its fix.
     GpsFix(BehaviorId),
+    /// A GPS hit ended without a fix.
+    NoGpsFix(BehaviorId),
     /// BPABT: a payload ends the mission.
     Abort {
         /// Which client.
@@ -72,6 +74,7 @@ impl fmt::Display for MissionEvent {
                 }
             }
             Self::GpsFix(id) => write!(f, "gps fix of insert {id}"),
+            Self::NoGpsFix(id) => write!(f, "no gps fix of insert {id}: its time is over"),
             Self::Abort {
                 client,
                 errors: true,

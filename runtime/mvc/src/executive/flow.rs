@@ -77,7 +77,7 @@ impl Executive {
             began: now,
             timeout: item.timeout,
             insert: None,
-            message: item.message.clone(),
+            message: item.message.clone().or_else(|| logged(&item.shape)),
             logging: false,
         };
         let text = running.message.clone().filter(|_| command);
@@ -102,10 +102,7 @@ impl Executive {
             began: now,
             timeout: None,
             insert: Some(insert),
-            message: logs.then(|| PayloadText {
-                role: None,
-                text: Text::default(),
-            }),
+            message: logs.then(|| logged(&shape)).flatten(),
             logging: false,
         });
     }
@@ -151,4 +148,13 @@ impl Executive {
         let details = Text::cleaned(details);
         self.log.push(MvcEventKind::Mission { status, details });
     }
+}
+
+/// The text with which the payload is told to log along a trackline or trackcircle for which the plan has none: an
+/// empty one, for every client. SPI 5.3: "will be sent when beginning the lead-in trackline".
+fn logged(shape: &Shape) -> Option<PayloadText> {
+    shape.is_leg().then(|| PayloadText {
+        role: None,
+        text: Text::default(),
+    })
 }

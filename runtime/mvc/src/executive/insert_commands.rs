@@ -18,12 +18,18 @@ impl Mission {
         } else {
             0.0
         };
-        let outcome = match modify::read(request, grid_deg) {
-            Ok(values) => self.executive.modify(ctx.now, re.client, values),
+        let reading = modify::Reading {
+            grid_convergence_deg: grid_deg,
+            empty_mode: ctx.interpretation.empty_mode,
+            current: self.executive.counted(),
+        };
+        let water_depth_m = ctx.vehicle.motion().water_depth_m;
+        let outcome = match modify::read(request, &reading) {
+            Ok(values) => self.executive.modify(ctx.now, re.client, values, water_depth_m),
             Err(text) => return ctx.invalid(re, &text),
         };
         match outcome {
-            Ok(()) => ctx.acknowledge(re, AckStatus::Succeeded, ""),
+            Ok(clipped) => ctx.acknowledge(re, AckStatus::Succeeded, &clipped),
             Err(why) => ctx.acknowledge(re, AckStatus::Failed, why),
         }
     }

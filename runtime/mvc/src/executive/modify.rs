@@ -5,7 +5,10 @@ use backseat_units::Timestamp;
 use backseat_units::math::wrap_360;
 
 use super::Executive;
+use super::clipping::clipped;
 use crate::event::{ClientId, ModifyEnd, ModifyHorizontal, ModifySpeed, ModifyValues, ModifyVertical, MvcEventKind};
+use crate::interpretation::EmptyMode;
+use crate::vehicle::Vertical;
 use crate::vehicle::performance::Performance;
 
 /// A modify lapses this long after the last BPRMB (SPI 7.12).
@@ -21,13 +24,38 @@ pub(super) struct Modify {
 }
 
 impl Executive {
-    /// Accepts a modify (SPI 7.12), or returns why not.
+    /// In what the current behavior counts its depth and its speed.
+    pub(super) fn counted(&self) -> Counted {
+        self.running.as_ref().map_or_else(Counted::default, |running| Counted {
+            by_altitude: matches!(running.vertical, Vertical::Altitude(_)),
+            by_rpm: running.insert.is_some_and(|insert| insert.by_rpm),
+        })
+    }
+
+    /// Accepts a modify (SPI 7.12) and returns what the vehicle clips of it, or returns why not. The log gets one line
+    /// for all repetitions of a refused one.
     pub(crate) fn modify(
         &mut self,
         now: Timestamp,
         client: ClientId,
         values: ModifyValues,
-    ) -> Result<(), &'static str> {
+        water_depth_m: f64,
+    ) -> Result<String, &'static str> {
+        let refused = match self.accept_modify(now, client, values) {
+            Ok(()) => {
+                self.modify_refused = None;
+                return Ok(clipped(&values, &self.performance, self.altitude_min_m, water_depth_m));
+            }
+            Err(why) => (client, why),
+        };
+        if self.modify_refused != Some(refused) {
+            self.modify_refused = Some(refused);
+            self.log.push(MvcEventKind::ModifyRefused(client, refused.1));
+        }
+        Err(refused.1)
+    }
+
+    fn accept_modify(&mut self, now: Timestamp, client: ClientId, values: ModifyValues) -> Result<(), &'static str> {
         if !self.control {
             return Err("dynamic requests are not allowed now");
         }
@@ -97,16 +125,31 @@ impl Executive {
     }
 }
 
-/// Reads BPRMB. `grid_convergence_deg` is added to its heading, so that the result counts from true north.
+/// In what the current behavior counts its depth and its speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Counted {
+    by_altitude: bool,
+    by_rpm: bool,
+}
+
+/// How [`read`] understands BPRMB.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reading {
+    /// Added to the heading, so that the result counts from true north.
+    pub(super) grid_convergence_deg: f64,
+    pub(super) empty_mode: EmptyMode,
+    pub(super) current: Counted,
+}
+
+/// Reads BPRMB. An error is a text that names the field with the invalid value.
 ///
-/// An empty horizontal mode means a heading and an empty vertical mode a depth, as before the modes were added. An
-/// empty speed mode is refused, because 0 means rpm here and metres a second in BPRTK. An error is a text that names
-/// the field with the invalid value.
-pub(super) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Result<ModifyValues, String> {
+/// An empty horizontal mode means a heading, because every behavior has one. What an empty mode of the other two values
+/// means is a setting.
+pub(super) fn read(request: &ModifyBehavior, reading: &Reading) -> Result<ModifyValues, String> {
     let horizontal = match (request.horizontal, request.horizontal_mode) {
         (None, _) => None,
         (Some(deg), None | Some(HorizontalMode::Heading)) if deg.abs() <= 720.0 => {
-            Some(ModifyHorizontal::Heading(wrap_360(deg + grid_convergence_deg)))
+            Some(ModifyHorizontal::Heading(wrap_360(deg + reading.grid_convergence_deg)))
         }
         (Some(deg), None | Some(HorizontalMode::Heading)) => {
             return Err(format!("horizontal {deg}: expected a heading in degrees"));
@@ -116,9 +159,16 @@ pub(super) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Resul
             return Err(format!("horizontal_mode {code}: expected 0 or 1"));
         }
     };
-    let vertical = match (request.vertical_m, request.vertical_mode) {
+    let vertical_mode = match (request.vertical_mode, reading.empty_mode) {
+        (Some(mode), _) => Some(mode),
+        (None, EmptyMode::Behavior) if reading.current.by_altitude => Some(ModifyVerticalMode::Altitude),
+        (None, EmptyMode::Behavior | EmptyMode::Zero) => Some(ModifyVerticalMode::Depth),
+        (None, EmptyMode::Refused) => None,
+    };
+    let vertical = match (request.vertical_m, vertical_mode) {
         (None, _) => None,
-        (Some(depth), None | Some(ModifyVerticalMode::Depth)) => Some(ModifyVertical::Depth(depth)),
+        (Some(_), None) => return Err("vertical_mode: required with a depth or altitude".to_owned()),
+        (Some(depth), Some(ModifyVerticalMode::Depth)) => Some(ModifyVertical::Depth(depth)),
         (Some(altitude), Some(ModifyVerticalMode::Altitude)) => Some(ModifyVertical::Altitude(altitude)),
         (Some(pitch), Some(ModifyVerticalMode::Pitch)) => Some(ModifyVertical::Pitch(pitch)),
         (Some(deg), Some(ModifyVerticalMode::Elevator)) => Some(ModifyVertical::Elevator(deg)),
@@ -126,11 +176,17 @@ pub(super) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Resul
             return Err(format!("vertical_mode {code}: expected 0 to 3"));
         }
     };
-    let speed = match (request.speed, request.speed_mode) {
+    let speed_mode = match (request.speed_mode, reading.empty_mode) {
+        (Some(mode), _) => Some(mode),
+        (None, EmptyMode::Behavior) if !reading.current.by_rpm => Some(ModifySpeedMode::MetresPerSecond),
+        (None, EmptyMode::Behavior | EmptyMode::Zero) => Some(ModifySpeedMode::Rpm),
+        (None, EmptyMode::Refused) => None,
+    };
+    let speed = match (request.speed, speed_mode) {
         (None, _) => None,
+        (Some(_), None) => return Err("speed_mode: required with a speed".to_owned()),
         (Some(rpm), Some(ModifySpeedMode::Rpm)) => Some(ModifySpeed::Rpm(rpm)),
         (Some(mps), Some(ModifySpeedMode::MetresPerSecond)) => Some(ModifySpeed::MetresPerSecond(mps)),
-        (Some(_), None) => return Err("speed_mode: required with speed".to_owned()),
         (Some(_), Some(ModifySpeedMode::Other(code))) => {
             return Err(format!("speed_mode {code}: expected 0 or 1"));
         }

@@ -18,7 +18,7 @@ impl Executive {
             let steer = running
                 .course
                 .steer(estimate, running.speed_mps, &self.performance, now);
-            if running.course.is_on_line()
+            if running.course.is_on_leg()
                 && !running.logging
                 && let Some(message) = &running.message
             {
@@ -30,10 +30,13 @@ impl Executive {
             let Some(reason) = steer.end.or(late.then_some(EndReason::TimedOut)) else {
                 return Some(steer);
             };
-            if reason == EndReason::Done
-                && let Some(insert) = running.insert.as_ref().filter(|insert| insert.is_gps_hit())
-            {
-                self.log.push(MvcEventKind::Executive(MissionEvent::GpsFix(insert.id)));
+            if let Some(insert) = running.insert.as_ref().filter(|insert| insert.is_gps_hit()) {
+                let fix = if reason == EndReason::Done {
+                    MissionEvent::GpsFix(insert.id)
+                } else {
+                    MissionEvent::NoGpsFix(insert.id)
+                };
+                self.log.push(MvcEventKind::Executive(fix));
             }
             self.next(now, estimate.at, reason);
         }

@@ -4,8 +4,9 @@ use crate::error::{MvcError, check};
 
 /// The `[dvl]` section: external triggering of the DVL by the payload (SPI 5.6, 7.4).
 ///
-/// The mock has no trigger line. It assumes that the line pulses whenever the payload may trigger, unless the payload
-/// has said that it does not (0 in the last BPDVR), `payload_triggers` is false, or one of `line_faults` acts.
+/// The mock has no trigger line. It assumes that the line pulses while the payload says so (1 in the second field of
+/// its last BPDVR), unless `payload_triggers` is false or one of `line_faults` acts. Without pulses the DVL measures
+/// nothing.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DvlTriggerConfig {
@@ -19,8 +20,11 @@ pub struct DvlTriggerConfig {
     pub stop_for_s: f64,
     /// After how long without a trigger of the payload the DVL goes back to internal triggering, seconds, 0.1 to 3600.
     pub timeout_s: f64,
-    /// Whether the line pulses while the payload may trigger.
+    /// Whether the line pulses while the payload says that it triggers.
     pub payload_triggers: bool,
+    /// The time from one pulse of the payload to the next, seconds, 0.01 to less than `timeout_s`; without
+    /// it, that of the DVL's own trigger.
+    pub pulse_period_s: Option<f64>,
     /// The times in which the line is dead although the payload triggers.
     pub line_faults: Vec<LineFault>,
 }
@@ -44,6 +48,7 @@ impl Default for DvlTriggerConfig {
             stop_for_s: 10.0,
             timeout_s: 5.0,
             payload_triggers: true,
+            pulse_period_s: None,
             line_faults: Vec::new(),
         }
     }
@@ -57,6 +62,11 @@ impl DvlTriggerConfig {
             ("dvl.timeout_s", self.timeout_s, 0.1, 3600.0, "0.1 to 3600 s"),
         ] {
             check((least..=most).contains(&value), key, value, expected)?;
+        }
+        if let Some(period_s) = self.pulse_period_s {
+            let expected = "0.01 s to less than dvl.timeout_s";
+            let ok = (0.01..self.timeout_s).contains(&period_s);
+            check(ok, "dvl.pulse_period_s", period_s, expected)?;
         }
         for fault in &self.line_faults {
             for (key, value) in [

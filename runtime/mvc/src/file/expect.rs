@@ -4,7 +4,7 @@ use serde::Deserialize;
 use crate::error::{MvcError, check};
 
 /// The `[expect]` section: what a run must achieve. The mock only carries it and does not judge the run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Expectations {
     /// How many violations the run may have; `None` allows none.
@@ -21,6 +21,33 @@ pub struct Expectations {
     pub coverage: Option<CoverageExpectation>,
     /// Targets on the seabed that a plugin must find.
     pub contacts: Option<ContactsExpectation>,
+    /// Bounds of measures.
+    pub measure: Vec<MeasureExpectation>,
+}
+
+/// One `[[expect.measure]]` table: bounds of a measure of the run's report.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasureExpectation {
+    /// `PLUGIN.NAME` of what a plugin published, or what another expectation measured.
+    pub name: String,
+    /// The least value, in the measure's own unit.
+    pub at_least: Option<f64>,
+    /// The greatest value.
+    pub at_most: Option<f64>,
+}
+
+impl MeasureExpectation {
+    /// Checks that the bounds are finite and leave room.
+    pub(super) fn check(&self) -> Result<(), MvcError> {
+        let (least, most) = (self.at_least, self.at_most);
+        for (key, bound) in [("expect.measure.at_least", least), ("expect.measure.at_most", most)] {
+            let bound = bound.unwrap_or(0.0);
+            check(bound.is_finite(), key, bound, "a finite number")?;
+        }
+        let room = least.unwrap_or(f64::NEG_INFINITY) <= most.unwrap_or(f64::INFINITY);
+        check(room, "expect.measure.at_most", most.unwrap_or(0.0), "at_least or more")
+    }
 }
 
 /// The `[expect.contour]` section: how near the vehicle's true track is to the true contour, horizontally, while a

@@ -26,7 +26,8 @@ pub struct InterpretationConfig {
     pub modify_heading: HeadingFrame,
     /// When an insert is flown if the current behavior is neither a trackline nor a trackcircle.
     pub insert_place: InsertPlace,
-    /// Whether the vehicle sends BFBDL and BFSDL for inserted tracklines too (SPI 7.5: "with the payloads activated").
+    /// Whether the vehicle sends BFBDL and BFSDL for inserted tracklines and trackcircles too (SPI 7.5: "with the
+    /// payloads activated").
     pub insert_logging: Choice<bool>,
     /// Whose inserts BPRCN may cancel (SPI 7.8 does not say).
     pub cancel_scope: CancelAllScope,
@@ -38,6 +39,8 @@ pub struct InterpretationConfig {
     pub modify_beyond: ModifyBeyond,
     /// What the rudder and elevator of BPRMB are (SPI 7.12 calls them adjustments).
     pub modify_fins: ModifyFins,
+    /// What a value of BPRMB is if the field for its mode is empty (SPI 7.12: a mode "may be empty").
+    pub modify_empty_mode: ModifyEmptyMode,
     /// Whether BPSUS needs dynamic requests to be allowed (SPI 8.1 does not say). A suspension then ends with them.
     pub suspend_needs_control: Choice<bool>,
     /// From where the mission goes on after a suspension (SPI 8.3 says both).
@@ -131,6 +134,22 @@ pub enum ModifyBeyond {
     #[default]
     Clip,
     /// The vehicle refuses it. A modify that is in force stays.
+    Refuse,
+    /// The seed draws one.
+    Seed,
+}
+
+/// What a value of BPRMB is if the field for its mode is empty.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ModifyEmptyMode {
+    /// What it is in the current behavior: a depth or an altitude, a speed in metres a second or in rpm. SPI 7.12: "any
+    /// empty fields do not modify that aspect of the current behavior".
+    #[default]
+    Behavior,
+    /// As with the mode 0: a depth, a speed in rpm.
+    Zero,
+    /// The vehicle refuses it.
     Refuse,
     /// The seed draws one.
     Seed,
@@ -286,6 +305,7 @@ impl Default for InterpretationConfig {
             modify_survives: Choice::Fixed(true),
             modify_beyond: ModifyBeyond::default(),
             modify_fins: ModifyFins::default(),
+            modify_empty_mode: ModifyEmptyMode::default(),
             adjustment_when_silenced: AdjustmentWhenSilenced::default(),
             adjustment_needs_status: Choice::default(),
             dvl_timeout_announced: Choice::default(),

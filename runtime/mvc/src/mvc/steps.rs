@@ -34,7 +34,7 @@ impl Mvc {
                 estimate: self.sensors.estimate(&self.vehicle),
                 interpretation: &self.interpretation,
                 mission: self.mission.status(),
-                quiet: self.services.quiet(now),
+                quiet: self.services.quiet(&self.vehicle),
                 server: &mut self.server,
             },
             mission: &mut self.mission,
@@ -60,6 +60,7 @@ impl Mvc {
         if let Some(look_deg) = services.hovering.turn_devices(mission) {
             sensors.turn_log(look_deg);
         }
+        sensors.trigger_dvl(services.dvl_trigger.trigger(now));
         sensors.step(&mut ctx);
         ctx.estimate = sensors.estimate(ctx.vehicle);
         if services.step(&mut ctx) {

@@ -173,9 +173,9 @@ impl Course {
         }
     }
 
-    /// Whether the vehicle is on a trackline, including its lead-in and lead-out.
-    pub(crate) const fn is_on_line(&self) -> bool {
-        matches!(self.part, Part::Along(_))
+    /// Whether the vehicle is on a trackline, including its lead-in and lead-out, or on a trackcircle.
+    pub(crate) const fn is_on_leg(&self) -> bool {
+        matches!(self.part, Part::Along(_) | Part::Around { .. })
     }
 
     pub(crate) fn steer(

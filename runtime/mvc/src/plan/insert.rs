@@ -18,6 +18,8 @@ pub(crate) struct Insert {
     pub(crate) shape: Shape,
     pub(crate) vertical: Vertical,
     pub(crate) speed_mps: f64,
+    /// Whether the payload gave that speed in turns of the thruster a minute.
+    pub(crate) by_rpm: bool,
     pub(crate) interrupt: bool,
     /// Whether it is a GPS hit with a spiral to the surface, which is "future implementation" (SPI 7.7).
     pub(crate) spiral: bool,
@@ -41,6 +43,7 @@ impl Insert {
             shape,
             vertical: vertical(request.vertical_mode, request.vertical_m)?,
             speed_mps: speed_mps(request.speed_mode, request.speed, performance)?,
+            by_rpm: request.speed_mode == SpeedMode::Rpm,
             interrupt: interrupt(request.interrupt)?,
             spiral: false,
         })
@@ -67,6 +70,7 @@ impl Insert {
             shape,
             vertical: vertical(request.vertical_mode, request.vertical_m)?,
             speed_mps: speed_mps(request.speed_mode, request.speed, performance)?,
+            by_rpm: request.speed_mode == SpeedMode::Rpm,
             interrupt: interrupt(code)?,
             spiral: false,
         })
@@ -96,6 +100,7 @@ impl Insert {
             },
             vertical: cruise.0,
             speed_mps: cruise.1,
+            by_rpm: false,
             interrupt: false,
             spiral,
         })

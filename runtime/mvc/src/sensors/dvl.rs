@@ -17,11 +17,16 @@ const AZIMUTHS_DEG: [f64; 4] = [45.0, 135.0, 225.0, 315.0];
 
 /// The angle of a DVL that looks straight down, degrees above the horizontal.
 const DOWN_DEG: f64 = -90.0;
+/// Above this angle the DVL measures the distance from the ship.
+const TO_SHIP_ABOVE_DEG: f64 = -45.0;
+/// That many beams that end at the ship's side give its distance.
+const BEAMS_FOR_DISTANCE: usize = 2;
 
 /// The DVL (Doppler velocity log): four beams, bottom lock, and the constant errors of its velocity.
 ///
 /// A servo turns the DVL of a hovering vehicle. It measures against a ship's plating or the seabed, whichever a beam
-/// meets first.
+/// meets first. The beams are the whole of it: their ends give the ranges, the lock, the velocity and the distance from
+/// the ship.
 #[derive(Clone, Debug)]
 pub(super) struct Dvl {
     config: SensorConfig,
@@ -34,16 +39,22 @@ pub(super) struct Dvl {
     /// Whether a separate altimeter measures the altitude. A vehicle that turns its DVL away from the bottom needs one.
     altimeter: bool,
     range_max_m: f64,
+    /// The greatest range at which a beam returns from a ship, metres.
+    ship_range_max_m: f64,
     dropout_chance: f64,
     no_lock_until: Timestamp,
     scale: f64,
     misalignment: (f64, f64),
     /// Whether it has failed.
     pub(super) dead: bool,
+    /// Whether it waits for a trigger that does not come (SPI 7.4).
+    pub(super) waits: bool,
     /// Whether enough beams return from the seabed or the ship.
     pub(super) lock: bool,
     /// Whether there is an altitude.
     pub(super) sounds: bool,
+    /// The distance from the inspected side of the ship, metres, if the beams measure it.
+    pub(super) ship_m: Option<f64>,
 }
 
 /// One reading. BFDVL and BFDV2 each report a part of it.
@@ -57,7 +68,14 @@ pub(super) struct DvlReading {
 }
 
 impl Dvl {
-    pub(super) fn new(config: &SensorConfig, readings_per_h: f64, hovers: bool, seed: u64) -> Self {
+    /// `ship_range_max_m` is the greatest distance from a ship that it measures, metres.
+    pub(super) fn new(
+        config: &SensorConfig,
+        readings_per_h: f64,
+        hovers: bool,
+        ship_range_max_m: f64,
+        seed: u64,
+    ) -> Self {
         let noise = Noise::new(seed, "dvl");
         let mut constant = Noise::new(seed, "dvl alignment").reading(0);
         let scale = 1.0 + constant.normal(config.dvl.scale_error);
@@ -76,13 +94,16 @@ impl Dvl {
             look_deg: DOWN_DEG,
             altimeter: hovers,
             range_max_m: config.altitude_range_m / cos(beam_rad),
+            ship_range_max_m: ship_range_max_m.min(config.altitude_range_m) / cos(beam_rad),
             dropout_chance: config.altitude_dropouts_per_h / readings_per_h,
             no_lock_until: Timestamp::ZERO,
             scale,
             misalignment: (sin(misalignment_rad), cos(misalignment_rad)),
             dead: false,
+            waits: false,
             lock: false,
             sounds: false,
+            ship_m: None,
         }
     }
 
@@ -105,12 +126,34 @@ impl Dvl {
             self.no_lock_until = now + Duration::from_secs_f64(seconds);
         }
         let heard = now >= self.no_lock_until;
-        self.lock = !self.dead && heard && self.reaches(vehicle);
+        self.lock = !self.dead && !self.waits && heard && self.reaches(vehicle);
         self.sounds = if self.altimeter {
             heard && self.altitude_in_reach(vehicle)
         } else {
             self.lock
         };
+        self.ship_m = self.distance_of_ship(vehicle);
+    }
+
+    /// The mean of what the beams say that end at the inspected side of the ship; `None` without lock, too few such
+    /// beams, or a DVL that is turned to the bottom.
+    fn distance_of_ship(&self, vehicle: &Vehicle) -> Option<f64> {
+        let ship = vehicle.obstacle()?.ship;
+        if !self.lock || self.look_deg <= TO_SHIP_ABOVE_DEG {
+            return None;
+        }
+        let attitude = Attitude::of(vehicle);
+        let (mut sum_m, mut count) = (0.0, 0);
+        for beam in self.beams {
+            let [north, east, down] = attitude.to_frame(beam);
+            let off_m = self
+                .range_m(vehicle, attitude, beam)
+                .and_then(|range_m| ship.off_side_m(vehicle.motion().at, (east, north, down), range_m));
+            if let Some(off_m) = off_m {
+                (sum_m, count) = (sum_m + off_m, count + 1);
+            }
+        }
+        (count >= BEAMS_FOR_DISTANCE).then(|| sum_m / count as f64)
     }
 
     fn altitude_in_reach(&self, vehicle: &Vehicle) -> bool {
@@ -150,11 +193,15 @@ impl Dvl {
                 .ship
                 .ahead_m(vehicle.motion().at, vehicle.motion().depth_m, (east, north, down))
         });
-        to_ship_m
-            .into_iter()
-            .chain(to_bed_m)
-            .reduce(f64::min)
-            .filter(|metres| (self.config.altitude_blanking_m..=self.range_max_m).contains(metres))
+        let (metres, most_m) = match (to_ship_m, to_bed_m) {
+            (Some(ship_m), None) => (ship_m, self.ship_range_max_m),
+            (Some(ship_m), Some(bed_m)) if ship_m < bed_m => (ship_m, self.ship_range_max_m),
+            (_, Some(bed_m)) => (bed_m, self.range_max_m),
+            (None, None) => return None,
+        };
+        (self.config.altitude_blanking_m..=most_m)
+            .contains(&metres)
+            .then_some(metres)
     }
 
     /// A velocity over ground or through the water (east, north) as the DVL measures it, with its scale error and
@@ -165,7 +212,7 @@ impl Dvl {
         (scale * (east * cos + north * sin), scale * (north * cos - east * sin))
     }
 
-    /// The reading of this number; `None` from a failed DVL.
+    /// The reading of this number; `None` from a DVL that has failed or waits for a trigger.
     pub(super) fn reading(
         &self,
         vehicle: &Vehicle,
@@ -173,7 +220,7 @@ impl Dvl {
         sound_ratio: f64,
         number: u64,
     ) -> Option<DvlReading> {
-        if self.dead {
+        if self.dead || self.waits {
             return None;
         }
         let config = self.config.dvl;

@@ -38,6 +38,13 @@ impl Schedules {
     }
 }
 
+impl Schedules {
+    /// Sets the time from one reading of the DVL to the next. A change takes effect with the next pulse.
+    pub(super) fn trigger_dvl_every(&mut self, period_s: f64) {
+        self.dvl.change_period(period_s);
+    }
+}
+
 impl Sensors {
     /// Makes navigation or a sensor fail, or work again.
     pub(crate) fn fail(&mut self, failure: SensorFailure) {
@@ -117,7 +124,7 @@ impl Sensors {
             report(ctx, Topic::VehicleSpeed, || {
                 tailcone.speed(vehicle, number, stamp).into()
             });
-            let reading = || tailcone.angles(vehicle, &self.before, self.dt_s, number, stamp).into();
+            let reading = || tailcone.angles(vehicle, number, stamp).into();
             report(ctx, Topic::ElevatorRudder, reading);
         }
         if let Some(number) = dvl {

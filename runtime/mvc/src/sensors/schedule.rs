@@ -20,6 +20,15 @@ impl Schedule {
         }
     }
 
+    /// Sets another period, which begins with the next step.
+    pub(super) fn change_period(&mut self, period_s: f64) {
+        let period = Duration::from_secs_f64(period_s);
+        if period != self.period {
+            self.period = period;
+            self.next = Timestamp::ZERO;
+        }
+    }
+
     /// The number of the reading that is due at this step, if one is. A sensor that is faster than the vehicle's steps
     /// makes one reading a step.
     pub(super) fn due(&mut self, now: Timestamp) -> Option<u64> {

@@ -8,11 +8,14 @@ use super::times::times;
 use crate::context::Context;
 use crate::event::{ClientId, DvlTriggerEvent, MvcEventKind};
 use crate::file::{DvlTriggerConfig, WorldFile};
+use crate::sensors::Trigger;
 use crate::server::answers::Regarding;
 
-/// External triggering of the DVL (SPI 5.6, 7.4).
+/// External triggering of the DVL (SPI 5.6, 7.4). While it is triggered externally, the DVL measures only when the line
+/// pulses.
 ///
-/// The mock cannot see pulses. [`DvlTriggerConfig`] says what happens on the trigger line.
+/// The mock cannot see pulses. It knows from BPDVR whether the payload triggers, and [`DvlTriggerConfig`] says what
+/// happens on the trigger line.
 #[derive(Debug)]
 pub(crate) struct DvlTrigger {
     config: DvlTriggerConfig,
@@ -39,7 +42,8 @@ enum State {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Line {
     by: ClientId,
-    /// Whether the payload triggers. It is true until a BPDVR says otherwise.
+    /// Whether the payload triggers, as its last BPDVR said. "This message must be sent any time either of its fields
+    /// would change value", so at first it does not.
     used: bool,
     /// Whether the payload is connected.
     connected: bool,
@@ -62,6 +66,17 @@ impl DvlTrigger {
             State::External(line) | State::Stopping(line) if line.by == client => line.connected = false,
             State::Asked { by, .. } if *by == client => self.state = State::Internal,
             State::Internal | State::Asked { .. } | State::External(_) | State::Stopping(_) => {}
+        }
+    }
+
+    /// What triggers the DVL now.
+    pub(crate) fn trigger(&self, now: Timestamp) -> Trigger {
+        match self.state {
+            State::Internal | State::Asked { .. } => Trigger::Internal,
+            State::External(line) | State::Stopping(line) if self.pulses(line, now) => {
+                Trigger::Pulses(self.config.pulse_period_s)
+            }
+            State::External(_) | State::Stopping(_) => Trigger::Nothing,
         }
     }
 
@@ -119,7 +134,7 @@ impl DvlTrigger {
                 if ctx.now >= safe_at {
                     self.state = State::External(Line {
                         by,
-                        used: true,
+                        used: false,
                         connected: true,
                         last_pulse: ctx.now,
                     });

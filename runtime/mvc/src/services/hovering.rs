@@ -13,6 +13,7 @@ use relative::Relative;
 use servo::Servo;
 
 use crate::context::Context;
+use crate::estimate::Estimate;
 use crate::event::{HoveringEvent, MvcEventKind};
 use crate::executive::mission::Mission;
 use crate::file::WorldFile;
@@ -28,8 +29,6 @@ const ARRIVED_M: f64 = 0.15;
 /// Angle of the DVL when it faces the hull, and when it faces the bottom: degrees above the horizontal.
 const DVL_TO_HULL_DEG: f64 = 0.0;
 const DVL_TO_BOTTOM_DEG: f64 = -90.0;
-/// Above this angle the DVL measures the range to the ship and not to the bottom.
-const RANGES_ABOVE_DEG: f64 = -45.0;
 
 /// What only hovering vehicles have (SPI 6.17 to 6.19, 8). It is empty in other vehicles.
 #[derive(Debug)]
@@ -171,12 +170,6 @@ impl Inspector {
         self.dvl.step(self.servo_step_deg);
     }
 
-    /// The DVL measures the range to the ship along its axis.
-    fn distance_m(&self, vehicle: &Vehicle) -> f64 {
-        let turned_to_it = self.dvl.at_deg() > RANGES_ABOVE_DEG;
-        self.relative.distance_m(vehicle, turned_to_it)
-    }
-
     /// BPRNS changes the coordinates. A vehicle that stays in place must not move because of it.
     fn reset(&mut self, x_m: f64, y_m: f64, bearing_deg: f64, vehicle: &Vehicle) -> f64 {
         let turned_deg = bearing_deg - self.relative.bearing_deg(vehicle);
@@ -203,7 +196,7 @@ impl Inspector {
         }
     }
 
-    fn demand(&self, vehicle: &Vehicle) -> HoverDemand {
+    fn demand(&self, estimate: &Estimate) -> HoverDemand {
         let (x_m, y_m) = self.relative.believed();
         let (left_x_m, left_y_m, vertical, bearing_deg) = match self.goal {
             Goal::Stay {
@@ -217,7 +210,7 @@ impl Inspector {
                 depth_m,
                 distance_m,
             } => (
-                self.distance_m(vehicle) - distance_m,
+                self.relative.distance_m(estimate.ship_m) - distance_m,
                 horizontal_m - y_m,
                 Vertical::Depth(depth_m),
                 0.0,
@@ -240,14 +233,14 @@ impl Inspector {
     }
 
     /// Whether the vehicle arrives at its goal in this step, by the depth that it believes to be at.
-    fn arrives(&mut self, vehicle: &Vehicle, believed_depth_m: f64) -> bool {
+    fn arrives(&mut self, vehicle: &Vehicle, estimate: &Estimate) -> bool {
         if self.arrived {
             return false;
         }
-        let left = self.demand(vehicle).ground;
+        let left = self.demand(estimate).ground;
         let left_m = hypot(left.0, left.1) / POSITION_GAIN_PER_S;
         let vertical_m = match self.goal {
-            Goal::Stay { depth_m, .. } | Goal::Hull { depth_m, .. } => depth_m - believed_depth_m,
+            Goal::Stay { depth_m, .. } | Goal::Hull { depth_m, .. } => depth_m - estimate.depth_m,
             Goal::Bottom {
                 vertical: Vertical::Altitude(altitude_m),
                 ..
@@ -255,7 +248,7 @@ impl Inspector {
             Goal::Bottom {
                 vertical: Vertical::Depth(metres) | Vertical::Pitch(metres) | Vertical::Elevator(metres),
                 ..
-            } => metres - believed_depth_m,
+            } => metres - estimate.depth_m,
         };
         self.arrived = left_m < ARRIVED_M && vertical_m.abs() < ARRIVED_M;
         self.arrived
@@ -288,7 +281,7 @@ impl Hovering {
         if let Some(state) = &self.state
             && mission.is_suspended()
         {
-            let demand = state.demand(ctx.vehicle);
+            let demand = state.demand(&ctx.estimate);
             // The heading of a demand is one that the vehicle believes, so its bias is added.
             mission.set_hover(HoverDemand {
                 heading_deg: demand.heading_deg + ctx.estimate.heading_bias_deg,
@@ -309,7 +302,7 @@ impl Hovering {
     pub(crate) fn step(&mut self, ctx: &mut Context<'_>, mission: &Mission) {
         let Some(state) = &mut self.state else { return };
         state.relative.reckon(ctx.vehicle, ctx.estimate.way);
-        if mission.is_suspended() && state.arrives(ctx.vehicle, ctx.estimate.depth_m) {
+        if mission.is_suspended() && state.arrives(ctx.vehicle, &ctx.estimate) {
             ctx.note(MvcEventKind::Hovering(HoveringEvent::Arrived));
         }
         state.report(ctx);
@@ -336,7 +329,7 @@ impl Inspector {
                         created,
                         horizontal_m: y_m,
                         vertical_m: vertical * depth_m,
-                        distance_m: (self.distance_m(ctx.vehicle) + range_noise_m).max(0.0),
+                        distance_m: (self.relative.distance_m(ctx.estimate.ship_m) + range_noise_m).max(0.0),
                         heading_deg,
                         depth_m,
                         absolute_heading_deg: self.relative.inertial_deg(ctx.vehicle),

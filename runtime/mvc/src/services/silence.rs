@@ -11,14 +11,14 @@ use crate::context::{Context, Quiet};
 use crate::event::{ClientId, MvcEventKind, SilenceEvent, Status};
 use crate::file::{SilenceConfig, WorldFile};
 use crate::server::answers::Regarding;
-use crate::vehicle::Drive;
+use crate::vehicle::{Drive, Vehicle};
 
 /// How much longer the vehicle waits with the second acknowledgement if the tailcone has not stopped (SPI 7.22).
 const HELD_OFF: Duration = Duration::from_secs(2);
 /// The greatest number of requests that wait for their second acknowledgement.
 const CHANGES_MAX: usize = 64;
 
-/// Silent mode (SPI 7.22), and the state of the tailcone, on which it depends.
+/// Silent mode (SPI 7.22), which depends on the tailcone.
 #[derive(Debug)]
 pub(crate) struct Silence {
     config: SilenceConfig,
@@ -30,8 +30,6 @@ pub(crate) struct Silence {
     driven: bool,
     /// Whether the vehicle has a tailcone. A hovering vehicle has none, and its thrusters keep running in silence.
     has_tailcone: bool,
-    /// The tailcone's current state: it spins until this time.
-    spins_until: Timestamp,
 }
 
 /// The devices that become silent with the vehicle.
@@ -50,7 +48,8 @@ struct Change {
 }
 
 impl Silence {
-    pub(crate) fn new(file: &WorldFile, seed: u64) -> Self {
+    pub(crate) fn new(file: &WorldFile, vehicle: &mut Vehicle, seed: u64) -> Self {
+        vehicle.spin_down_within(file.silence.spin_down_s);
         Self {
             config: file.silence,
             stream: Stream::new(seed, "silent mode"),
@@ -58,7 +57,6 @@ impl Silence {
             until: None,
             driven: false,
             has_tailcone: !file.vehicle.performance().hovers,
-            spins_until: Timestamp::ZERO,
         }
     }
 
@@ -67,30 +65,24 @@ impl Silence {
     }
 
     /// What the rest of the vehicle needs to know about silent mode.
-    pub(crate) fn quiet(&self, now: Timestamp) -> Quiet {
+    pub(crate) fn quiet(&self, vehicle: &Vehicle) -> Quiet {
         Quiet {
             silent: self.is_silent(),
             commanded: self.is_silent() || self.changes.iter().any(|change| change.silent),
             driven: self.driven,
-            spinning: self.is_spinning(now),
+            spinning: self.is_spinning(vehicle),
         }
     }
 
-    fn is_spinning(&self, now: Timestamp) -> bool {
-        self.has_tailcone && (self.driven || now < self.spins_until)
+    /// The target state and the current state of the tailcone: its thruster is on, or its propeller still turns.
+    fn is_spinning(&self, vehicle: &Vehicle) -> bool {
+        self.has_tailcone && (self.driven || vehicle.is_spinning())
     }
 
     /// Handles the end of a connection: its requests are still decided, but no longer answered.
     pub(crate) fn client_left(&mut self, client: ClientId) {
         for change in self.changes.iter_mut().filter(|change| change.re.client == client) {
             change.re.muted = true;
-        }
-    }
-
-    fn watch_tailcone(&mut self, now: Timestamp, driven: bool) {
-        self.driven = driven;
-        if driven {
-            self.spins_until = now + Duration::from_secs_f64(self.config.spin_down_s);
         }
     }
 
@@ -174,7 +166,7 @@ impl Silence {
             Drive::Under(demand) if !demand.throttle.is_on() && !ctx.vehicle.performance().hovers => Drive::Adrift,
             Drive::Held | Drive::Under(_) | Drive::Hover(_) | Drive::Adrift => drive,
         };
-        self.watch_tailcone(ctx.now, matches!(drive, Drive::Under(_)));
+        self.driven = matches!(drive, Drive::Under(_));
         drive
     }
 
@@ -183,7 +175,7 @@ impl Silence {
             let text = "already silent: the time is not extended";
             return ctx.acknowledge(change.re, AckStatus::Succeeded, text);
         }
-        if self.is_spinning(ctx.now) {
+        if self.is_spinning(ctx.vehicle) {
             if change.held_off {
                 return failed(ctx, change.re, "the tailcone is still spinning");
             }

@@ -28,10 +28,11 @@ impl Vehicle {
         (self.motion.pitch_deg, self.motion.pitch_rate_dps) = (motion.pitch_deg, motion.pitch_rate_dps);
         (self.motion.roll_deg, self.motion.roll_rate_dps) = (motion.roll_deg, motion.roll_rate_dps);
         self.motion.ground = motion.ground;
-        self.motion.tail = Some(Tail {
+        let tail = Tail {
             now: motion.tail,
             ordered: motion.ordered,
-        });
+        };
+        self.motion.tail = Some(tail.standing(matches!(helm, Helm::Under(_))));
     }
 
     /// Puts the vehicle on the seabed if it is below it.

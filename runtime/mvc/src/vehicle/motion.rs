@@ -27,7 +27,7 @@ pub(crate) struct Motion {
     pub(crate) water_depth_m: f64,
     pub(crate) gradient: EastNorth,
     pub(crate) grounded: bool,
-    /// The state of the tail; `None` if the model has no tail.
+    /// The state of the tailcone; `None` for a vehicle that hovers.
     pub(crate) tail: Option<Tail>,
 }
 
@@ -57,7 +57,7 @@ impl Motion {
 }
 
 /// Rudder, elevator and thruster: their state, and what they were ordered to.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Tail {
     pub(crate) now: Actuators,
     pub(crate) ordered: Actuators,

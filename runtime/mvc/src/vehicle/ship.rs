@@ -3,6 +3,9 @@ use backseat_units::{EastNorth, LocalFrame};
 
 use crate::file::{ShipConfig, ShipSide};
 
+/// A beam whose end is closer than this to the plane of a plate ends at that plate, metres.
+const SAME_PLATE_M: f64 = 1e-6;
+
 /// A ship at rest in the world's frame: a box without a top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ship {
@@ -47,9 +50,18 @@ impl Ship {
         }
     }
 
-    /// Whether the inspected side has plating at this distance from midships and at this depth.
-    pub(crate) fn has_plating(&self, along_m: f64, depth_m: f64) -> bool {
-        along_m.abs() <= self.half_length_m && depth_m <= self.draft_m
+    /// The distance of a place from the plane of the inspected side, metres, if a beam from there that is `range_m`
+    /// long and ends at the ship ends at that side. `direction` is a unit vector east, north, down.
+    pub(crate) fn off_side_m(&self, at: EastNorth, direction: (f64, f64, f64), range_m: f64) -> Option<f64> {
+        let (inward_east, inward_north) = match self.side {
+            ShipSide::Starboard => (-self.cos, self.sin),
+            ShipSide::Port => (self.cos, -self.sin),
+        };
+        let from = at - self.reference();
+        let off_m = -(from.east_m * inward_east + from.north_m * inward_north);
+        let reaches_m = range_m * (direction.0 * inward_east + direction.1 * inward_north);
+        // A beam that ends at another plate reaches less far, or farther.
+        (off_m > 0.0 && (reaches_m - off_m).abs() < SAME_PLATE_M).then_some(reaches_m)
     }
 
     /// Distance from the hull, metres, negative inside, and the unit vector directly away from the hull (east, north,
@@ -195,6 +207,26 @@ mod tests {
                 ahead,
                 "{east} {north} {depth} {direction:?}"
             );
+        }
+    }
+
+    #[test]
+    fn a_beam_tells_the_distance_of_the_side_that_it_meets() {
+        let slant = (0.6, 0.8, 0.0);
+        for (side, at, direction, off) in [
+            (ShipSide::Starboard, (0.0, -8.0), (0.0, 1.0, 0.0), Some(3.0)),
+            (ShipSide::Starboard, (0.0, -8.0), slant, Some(3.0)),
+            // It ends at the stern.
+            (ShipSide::Starboard, (-22.0, -6.0), slant, None),
+            (ShipSide::Port, (0.0, 9.0), (0.0, -1.0, 0.0), Some(4.0)),
+            // This side is not the inspected one.
+            (ShipSide::Port, (0.0, -8.0), (0.0, 1.0, 0.0), None),
+        ] {
+            let (ship, at) = (ship(side), EastNorth::new(at.0, at.1));
+            let range_m = ship.ahead_m(at, 2.0, direction).expect("it meets the ship");
+            let found = ship.off_side_m(at, direction, range_m);
+            let found = found.map(|metres| (metres * 1e6).round() / 1e6);
+            assert_eq!(found, off, "{side:?} {at:?} {direction:?}");
         }
     }
 

@@ -4,7 +4,7 @@ use crate::payload::{Payload, done, line};
 /// The command messages with these names that the payload has received, without their time.
 fn told(payload: &mut Payload, names: &[&str]) -> Vec<String> {
     payload
-        .heard()
+        .all_heard()
         .iter()
         .filter(|line| names.iter().any(|name| line.starts_with(&format!("$BF{name}"))))
         .map(|line| format!("{} {}", &line[3..6], &line[18..]))

@@ -100,6 +100,18 @@ impl Payload {
     }
 
     pub(crate) fn heard_by(&mut self, client: ClientId) -> Vec<String> {
+        let mut lines = self.all_heard_by(client);
+        lines.retain(|line| !line.starts_with("$BFBDL,") && !line.starts_with("$BFSDL,"));
+        lines
+    }
+
+    /// The same as [`Payload::heard`], with BFBDL and BFSDL, which come for every line and circle of the plan, so that
+    /// most tests would have to leave them out.
+    pub(crate) fn all_heard(&mut self) -> Vec<String> {
+        self.all_heard_by(ME)
+    }
+
+    pub(crate) fn all_heard_by(&mut self, client: ClientId) -> Vec<String> {
         self.lines.remove(&client).unwrap_or_default()
     }
 

@@ -99,13 +99,13 @@ fn world(of: &World) -> String {
 fn talk(section: &Section) -> Result<(), String> {
     let mut payload = Payload::new(&world(&section.world), 1);
     payload.connect(ME);
-    let mut heard = payload.heard();
+    let mut heard = payload.all_heard();
     for message in section.on {
         payload.say(&format!("$BPLOG,{message},ON"));
     }
-    payload.heard();
+    payload.all_heard();
     for (number, step) in (1..).zip(section.talk) {
-        heard.extend(payload.heard());
+        heard.extend(payload.all_heard());
         let holds = match step {
             Step::Until(seconds) => {
                 payload.until(*seconds);

@@ -101,6 +101,15 @@ impl Disk {
         inner.made.contains(&place)
     }
 
+    /// Where a file of this name will be; a client may have named the next one otherwise.
+    pub(super) fn place(&self, name: String) -> FilePlace {
+        let inner = self.inner();
+        FilePlace {
+            folder: Some(inner.folder.clone()),
+            name: inner.exact.clone().unwrap_or(name),
+        }
+    }
+
     /// The log file that is open.
     pub(super) fn open(&self) -> Option<(FileId, FilePlace)> {
         self.inner().open.clone()

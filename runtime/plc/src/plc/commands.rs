@@ -3,10 +3,11 @@
 use core::time::Duration;
 
 use backseat_s7k::SensorIndex;
-use backseat_s7k::plc::{Alarm, CalendarTime, Command, Generic, Order, Status};
-use backseat_s7k::record::CommandStatus;
+use backseat_s7k::plc::{Alarm, CalendarTime, Command, CommandId, Generic, Order, Status};
+use backseat_s7k::record::{Action, CommandStatus};
 use backseat_units::Timestamp;
 
+use super::admission;
 use super::{Answer, PENDING_MAX, Pending, Plc, client_number};
 use crate::config::{FILE_SIZE_MB, OVERLAP_MAX, is_name, is_plain_text};
 use crate::error::PlcError;
@@ -23,6 +24,9 @@ const TEXT_SHOWN: usize = 200;
 
 /// The least period of the automatic health check, ms.
 const HEALTH_PERIOD_MIN_MS: u32 = 100;
+
+/// The greatest port of a sensor.
+const PORT_MAX: i32 = 65_535;
 
 /// What a command leads to at once.
 enum Outcome {
@@ -44,10 +48,7 @@ impl Plc {
     /// Does a command, acknowledges it if the client is verbose, and answers.
     pub(super) fn command(&mut self, now: Timestamp, client: ClientId, request: &Request) {
         let was_verbose = self.server.clients.is_verbose(client);
-        let outcome = match Order::read(request.command, request.action, &request.text) {
-            Ok(order) => self.order(now, client, request.sensor, order),
-            Err(error) => Outcome::Invalid(plain(&error.to_string())),
-        };
+        let outcome = self.outcome(now, client, request);
         let status = match &outcome {
             Outcome::Accepted | Outcome::Replies(_) | Outcome::ReportsAlarms => CommandStatus::Accepted,
             Outcome::Invalid(_) | Outcome::Refused(..) => CommandStatus::Rejected,
@@ -59,7 +60,12 @@ impl Plc {
                 client,
                 command: request.command,
                 sensor: request.sensor,
-                text: request.text.chars().take(TEXT_SHOWN).collect(),
+                text: request
+                    .text
+                    .iter()
+                    .flat_map(|text| text.chars())
+                    .take(TEXT_SHOWN)
+                    .collect(),
                 status,
             },
         );
@@ -74,6 +80,30 @@ impl Plc {
         if verbose && !first {
             self.server
                 .acknowledge(now, client, request.command, request.sensor, status);
+        }
+    }
+
+    /// Does a command that may be done.
+    fn outcome(&mut self, now: Timestamp, client: ClientId, request: &Request) -> Outcome {
+        let Request {
+            command,
+            sensor,
+            action,
+            text,
+        } = request;
+        let text = match text {
+            Ok(text) => text,
+            Err(fault) => return Outcome::Invalid(plain(fault)),
+        };
+        if admission::is_unknown(*command) {
+            return Outcome::Unknown;
+        }
+        let admitted = admission::header(*command, *sensor, *action)
+            .and_then(|()| Order::read(*command, *action, text).map_err(|error| error.to_string()))
+            .and_then(|order| admission::text(&order, *sensor, *action).map(|()| order));
+        match admitted {
+            Ok(order) => self.order(now, client, *sensor, *action, order),
+            Err(fault) => Outcome::Invalid(plain(&fault)),
         }
     }
 
@@ -103,15 +133,29 @@ impl Plc {
         }
     }
 
-    fn order(&mut self, now: Timestamp, client: ClientId, addressee: SensorIndex, order: Order) -> Outcome {
+    fn order(
+        &mut self,
+        now: Timestamp,
+        client: ClientId,
+        addressee: SensorIndex,
+        action: Action,
+        order: Order,
+    ) -> Outcome {
         if self.shutdown.is_some() {
             return Outcome::Invalid("the controller is shutting down".to_owned());
         }
         let command = match order {
             Order::Do(command) => command,
             // Table 16 has a status for what this command sets, and for no other.
-            Order::Get(backseat_s7k::plc::CommandId::LoggingSetup) => return Outcome::Replies(self.logging_setup()),
-            Order::Get(_) => return Outcome::Invalid("no status says what this command sets".to_owned()),
+            Order::Get(CommandId::LoggingSetup) => return Outcome::Replies(self.logging_setup()),
+            // The sensor is that of the header (2.5). The controller's own status is retrieved, and not more.
+            Order::Get(CommandId::Status) if addressee != SensorIndex::PLC || action == Action::Get => {
+                return self.status_of(now, client, addressee);
+            }
+            Order::Get(CommandId::Status) => {
+                return Outcome::Invalid("Status parameter sensor: it is missing".to_owned());
+            }
+            Order::Get(command) => return Outcome::Invalid(admission::no_answer(command).to_owned()),
             Order::Unknown(_) => return Outcome::Unknown,
         };
         match command {
@@ -297,8 +341,9 @@ impl Plc {
     }
 
     fn path(&mut self, now: Timestamp, folder: &str) -> Outcome {
-        if !is_plain_text(folder) {
-            return Outcome::Invalid("a folder has 1 to 200 printable characters".to_owned());
+        // A comma would begin another parameter (2.5).
+        if !is_plain_text(folder) || folder.contains(',') {
+            return Outcome::Invalid("a folder has 1 to 200 printable characters and no comma".to_owned());
         }
         let (utc, devices) = (self.server.clock.utc(now), self.suite.devices());
         self.logger.set_folder(folder, utc, &devices);
@@ -392,6 +437,11 @@ impl Plc {
         };
         if !is_name(name) {
             return Outcome::Invalid("a sensor's name has 1 to 64 characters and no comma".to_owned());
+        }
+        // The vehicle's interface needs no port, and has 0 in the run list.
+        let least = i32::from(kind != SensorKind::Bluefin);
+        if !(least..=PORT_MAX).contains(&port) {
+            return Outcome::Invalid(format!("port {port} is outside {least} to {PORT_MAX}"));
         }
         match self.suite.add(now, kind, name, port, false, &mut self.server) {
             Ok(()) => {

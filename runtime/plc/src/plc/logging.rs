@@ -28,6 +28,15 @@ impl Plc {
         if self.logger.is_on() {
             self.logger.stop(self.server.time(now));
             self.server.note(now, PlcEventKind::LogStopped(why));
+            // A significant change of the system that nobody asked for (2.7). A client that switched logging off knows,
+            // and a shutdown has a status of its own.
+            match why {
+                LogStop::DiskFull | LogStop::Failed => {
+                    let details = self.file_details();
+                    self.server.status_to_all(now, details);
+                }
+                LogStop::Command | LogStop::ShutDown => {}
+            }
         }
     }
 
@@ -66,7 +75,8 @@ impl Plc {
     /// Alarm 1 begins and ends with the room on the disk.
     pub(super) fn check_disk(&mut self, now: Timestamp) {
         let free = self.logger.free_percent();
-        if free <= self.critical_percent {
+        // A disk without room for logging is critical, whatever part of it is left.
+        if free <= self.critical_percent || !self.logger.has_room() {
             let description = Box::from(format!("{free:.1} % of the disk left"));
             self.server
                 .raise(now, SensorIndex::PLC, Alarm::DiskSpaceCritical { description });
@@ -89,8 +99,8 @@ impl Plc {
 
     /// Status 3: the state of logging.
     pub(super) fn file_details(&self) -> Status {
-        let (file, bytes) = match self.logger.current() {
-            Some((_, place, bytes)) => (place.to_string(), bytes),
+        let (file, bytes) = match self.logger.place() {
+            Some((place, bytes)) => (place.to_string(), bytes),
             None => (String::new(), 0),
         };
         Status::FileDetails {

@@ -32,6 +32,8 @@ enum Timer {
     TimeMessage,
     /// Floods and garbage.
     Noise,
+    /// What of a client could not be used, or was lost, is reported.
+    Report,
     /// The controller ends without its key.
     Key,
     /// The connections close.
@@ -79,6 +81,7 @@ impl Plc {
             self.health.map(|(due, _)| (due, Timer::Health)),
             self.time_messages.map(|due| (due, Timer::TimeMessage)),
             self.noise_due.map(|due| (due, Timer::Noise)),
+            self.server.report_due().map(|due| (due, Timer::Report)),
             self.key_ends.map(|due| (due, Timer::Key)),
             shutdown.map(|(due, _)| (due, Timer::Shutdown)),
         ]
@@ -111,6 +114,7 @@ impl Plc {
                 self.server.time_message(now);
             }
             Timer::Noise => self.noise(now),
+            Timer::Report => self.server.report_all(now),
             Timer::Key => {
                 self.key_ends = None;
                 self.begin_shutdown(now, false);

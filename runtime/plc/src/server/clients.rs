@@ -2,11 +2,12 @@ use core::time::Duration;
 use std::collections::{BTreeSet, VecDeque};
 
 use backseat_s7k::plc::CommandId;
-use backseat_s7k::record::{Action, Record};
+use backseat_s7k::record::{Action, CommandRecord, Record};
 use backseat_s7k::{Checksum, DeviceId, NetworkHeader, SensorIndex, StreamItem, StreamReader};
 use backseat_units::Timestamp;
 
 use super::ALARM_MAX;
+use super::ignored::Ignored;
 use crate::config::PlcConfig;
 use crate::event::{ClientId, PlcEventKind};
 use crate::interpretation::{AlarmsAtConnect, InterpretationConfig, VerboseAtConnect};
@@ -43,7 +44,8 @@ pub(crate) struct Request {
     pub(crate) command: CommandId,
     pub(crate) sensor: SensorIndex,
     pub(crate) action: Action,
-    pub(crate) text: String,
+    /// Its text; or why the record, whose command can be told, cannot be read.
+    pub(crate) text: Result<String, String>,
 }
 
 #[derive(Debug)]
@@ -59,11 +61,20 @@ struct Client {
     /// The alarms that it gets, a bit each.
     alarms: u32,
     verbose: bool,
-    /// Bytes and records that could not be used, and records that were lost, since the last report.
-    ignored: (u64, u64),
+    /// What could not be used, and records that were lost, since the last report; and the bytes that its reader had
+    /// skipped then.
+    ignored: Ignored,
+    skipped: u64,
     lost: u64,
     ignored_from: Timestamp,
     lost_from: Timestamp,
+}
+
+impl Client {
+    /// Whether anything waits for the next report of what could not be used.
+    fn has_ignored(&self) -> bool {
+        !self.ignored.is_none() || self.reader.counts().skipped_bytes > self.skipped
+    }
 }
 
 /// The table of clients.
@@ -126,7 +137,8 @@ impl Clients {
             subscriptions: BTreeSet::new(),
             alarms: self.alarms,
             verbose: self.verbose,
-            ignored: (0, 0),
+            ignored: Ignored::default(),
+            skipped: 0,
             lost: 0,
             ignored_from: Timestamp::ZERO,
             lost_from: Timestamp::ZERO,
@@ -196,7 +208,7 @@ impl Clients {
         let (kept, lost) = bytes.split_at(room.min(bytes.len()));
         if let Some(client) = self.client(id) {
             client.unread.extend_from_slice(kept);
-            client.ignored.0 += lost.len() as u64;
+            client.ignored.bytes += lost.len() as u64;
         }
     }
 
@@ -218,25 +230,49 @@ impl Clients {
         let client = self.client(id)?;
         loop {
             let frame = match client.reader.next()? {
-                StreamItem::Skipped { bytes, .. } => {
-                    client.ignored.0 += bytes as u64;
+                StreamItem::Skipped { why, .. } => {
+                    client.ignored.skipped(&why);
                     continue;
                 }
                 StreamItem::Record(frame) => frame,
             };
-            let wrong = matches!(frame.checksum(), Checksum::Wrong { .. });
-            match (frame.header().record_type, Record::read(&frame)) {
+            let record_type = frame.header().record_type;
+            if let Checksum::Wrong { stored, computed } = frame.checksum() {
+                client.ignored.wrong_checksum(record_type, computed, stored);
+                continue;
+            }
+            match (record_type, Record::read(&frame)) {
                 // A controller's own messages, as an echo might send them, are ignored.
-                (11_001 | 11_002, _) | (11_000, Err(_)) => client.ignored.1 += 1,
-                _ if wrong => client.ignored.1 += 1,
+                (11_001 | 11_002, _) => client.ignored.records += 1,
                 (_, Ok(Record::Command(command))) => {
+                    let rest = command.rest();
+                    let text = if rest.iter().all(|byte| *byte == 0) {
+                        Ok(command.text().into_owned())
+                    } else {
+                        Err(format!(
+                            "{} bytes follow the text of {}",
+                            rest.len(),
+                            command.header.bytes
+                        ))
+                    };
                     return Some(Received::Command(Request {
                         command: command.header.command,
                         sensor: command.header.sensor,
                         action: command.header.action,
-                        text: command.text().into_owned(),
+                        text,
                     }));
                 }
+                (11_000, Err(error)) => match CommandRecord::addressed(&frame) {
+                    Some((command, sensor)) => {
+                        return Some(Received::Command(Request {
+                            command,
+                            sensor,
+                            action: Action::Unspecified,
+                            text: Err(error.to_string()),
+                        }));
+                    }
+                    None => client.ignored.records += 1,
+                },
                 _ => return Some(Received::Other(frame.bytes().to_vec())),
             }
         }
@@ -245,7 +281,7 @@ impl Clients {
     /// Counts a record of a client that cannot be used.
     pub(crate) fn count_ignored(&mut self, id: ClientId) {
         if let Some(client) = self.client(id) {
-            client.ignored.1 += 1;
+            client.ignored.records += 1;
         }
     }
 
@@ -253,14 +289,13 @@ impl Clients {
     pub(super) fn reports(&mut self, now: Timestamp, id: ClientId) -> Vec<PlcEventKind> {
         let mut reports = Vec::new();
         let Some(client) = self.client(id) else { return reports };
-        if client.ignored != (0, 0) && now >= client.ignored_from {
-            let (bytes, records) = core::mem::take(&mut client.ignored);
+        let skipped = client.reader.counts().skipped_bytes;
+        if client.has_ignored() && now >= client.ignored_from {
+            let mut what = Box::new(core::mem::take(&mut client.ignored));
+            what.bytes += skipped - client.skipped;
+            client.skipped = skipped;
             client.ignored_from = now + REPORT_EVERY;
-            reports.push(PlcEventKind::Ignored {
-                client: id,
-                bytes,
-                records,
-            });
+            reports.push(PlcEventKind::Ignored { client: id, what });
         }
         if client.lost > 0 && now >= client.lost_from {
             let records = core::mem::take(&mut client.lost);
@@ -268,6 +303,23 @@ impl Clients {
             reports.push(PlcEventKind::Lost { client: id, records });
         }
         reports
+    }
+
+    /// When the next report is due.
+    pub(super) fn report_due(&self) -> Option<Timestamp> {
+        let due = |client: &Client| {
+            let ignored = client.has_ignored().then_some(client.ignored_from);
+            let lost = (client.lost > 0).then_some(client.lost_from);
+            [ignored, lost].into_iter().flatten().min()
+        };
+        self.clients.iter().filter_map(due).min()
+    }
+
+    /// Whether nothing tells where a client's next record begins.
+    pub(crate) fn is_astray(&self, id: ClientId) -> bool {
+        self.clients
+            .iter()
+            .any(|client| client.id == id && client.reader.is_astray())
     }
 
     /// Returns false if the client has too many subscriptions.

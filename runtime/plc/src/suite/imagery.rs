@@ -52,13 +52,7 @@ impl Clock {
 impl Heading<'_> {
     /// Writes a sidescan record with its optional data.
     pub(crate) fn side_scan(&self, port: &[u16], starboard: &[u16], frame: &mut FrameWriter<'_>) {
-        let bytes = |samples: &[u16]| {
-            samples
-                .iter()
-                .flat_map(|sample| sample.to_le_bytes())
-                .collect::<Vec<u8>>()
-        };
-        let (port_bytes, starboard_bytes) = (bytes(port), bytes(starboard));
+        let (port_bytes, starboard_bytes) = (envelope(port), envelope(starboard));
         let channels = [
             self.channel(0, ChannelSide::Port, "port", 2, &port_bytes),
             self.channel(1, ChannelSide::Starboard, "starboard", 2, &starboard_bytes),
@@ -72,7 +66,7 @@ impl Heading<'_> {
 
     /// Writes a sub-bottom record with its optional data.
     pub(crate) fn sub_bottom(&self, samples: &[[i16; 2]], frame: &mut FrameWriter<'_>) {
-        let bytes: Vec<u8> = samples.iter().flatten().flat_map(|part| part.to_le_bytes()).collect();
+        let bytes = complex(samples);
         let channels = [self.channel(0, ChannelSide::Port, "sub-bottom", 4, &bytes)];
         self.imagery(SampleFormat::Complex, &channels, SegyHeader::SIZE, frame);
         frame.begin_optional(SegyHeader::OPTIONAL_ID);
@@ -137,7 +131,8 @@ impl Heading<'_> {
             start_depth_samples: 0,
             weighting_factor: self.weighting_factor,
             adc_gain: u16::try_from(self.ping.gain_steps).unwrap_or(0),
-            adc_max: samples.iter().copied().max().unwrap_or(0),
+            // `fold`, because `max` keeps the last of equal ones, which the compiler does not turn into vector code.
+            adc_max: samples.iter().fold(0, |max, sample| max.max(*sample)),
             range_dm: (self.ping.range_m * 10.0).round() as u16,
             pulse_id: self.ping.pulse.id,
             mark: 0,
@@ -220,7 +215,7 @@ impl Heading<'_> {
             nmea_day: 0,
             nmea_year: 0,
             day_ms: clock.day_ms,
-            adc_max: samples.iter().map(modulus).max().unwrap_or(0),
+            adc_max: samples.iter().map(modulus).fold(0, u16::max),
             calibration_ddb: 0,
             vehicle_id: 0,
             software_version: Chars::new(&format!("{}.{:02}", self.version.major, self.version.minor))
@@ -232,6 +227,26 @@ impl Heading<'_> {
             unused_a: Reserved::default(),
         }
     }
+}
+
+/// Envelope samples as a record has them.
+fn envelope(samples: &[u16]) -> Vec<u8> {
+    let mut bytes = vec![0; 2 * samples.len()];
+    for (out, sample) in bytes.chunks_exact_mut(2).zip(samples) {
+        out.copy_from_slice(&sample.to_le_bytes());
+    }
+    bytes
+}
+
+/// Complex samples as a record has them: real part, imaginary part.
+fn complex(samples: &[[i16; 2]]) -> Vec<u8> {
+    let mut bytes = vec![0; 4 * samples.len()];
+    for (out, [real, imaginary]) in bytes.chunks_exact_mut(4).zip(samples) {
+        let (first, second) = out.split_at_mut(2);
+        first.copy_from_slice(&real.to_le_bytes());
+        second.copy_from_slice(&imaginary.to_le_bytes());
+    }
+    bytes
 }
 
 /// The controller's millisecond counter, which wraps after 49 days.

@@ -234,8 +234,7 @@ fn what_comes_during_a_stall_takes_bounded_memory() {
     // 120 bytes each.
     let versions = rig.take(A).iter().filter(|got| matches!(got, Got::Status(_))).count();
     assert_eq!(versions, 83);
-    let lost =
-        |event: &backseat_plc::PlcEvent| matches!(event.kind, PlcEventKind::Ignored { bytes, .. } if bytes >= 2000);
+    let lost = |event: &backseat_plc::PlcEvent| matches!(&event.kind, PlcEventKind::Ignored { what, .. } if what.bytes >= 2000);
     assert!(rig.events.iter().any(lost), "{:?}", rig.events.last());
 }
 

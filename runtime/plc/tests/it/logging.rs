@@ -2,13 +2,16 @@
 
 use std::io::Cursor;
 
-use backseat_plc::{FileEffect, FileFailure, FilePlace, LogStop, PlcEventKind};
+use backseat_plc::{FileEffect, FileFailure, FilePlace, LogStop, Plc, PlcEventKind, Stored};
 use backseat_s7k::file::{FileItem, FileReader, Index};
 use backseat_s7k::plc::{Alarm, Command, CommandId, Generic, Status};
 use backseat_s7k::record::{AlarmMode, Record};
 use backseat_s7k::{DeviceId, FRAME_LIMIT, Frame};
+use backseat_units::Utc;
 
-use crate::rig::{A, BLUEFIN, Got, HIGH, LOW, Rig, SUB_BOTTOM, accepted, enclosed, navigation_record, rejected};
+use crate::rig::{
+    A, B, BLUEFIN, Got, HIGH, LOW, Rig, START, SUB_BOTTOM, accepted, enclosed, navigation_record, rejected,
+};
 
 /// Type, device and record count of each record of a file.
 fn read(bytes: &[u8]) -> Vec<(u32, u32, u32)> {
@@ -50,11 +53,14 @@ fn a_log_has_every_record_of_every_sensor_whether_anyone_subscribed_or_not() {
     let mut rig = pinging("");
     assert_eq!(details(&mut rig), (false, String::new(), 0.0));
     rig.tell(A, Command::Logging { on: true });
-    assert_eq!(details(&mut rig), (true, String::new(), 0.0));
+    // Table 17: "if active, the current fully qualified file name". There is no file before the first record, but its name
+    // is known.
+    let name = "D:\\data\\20261123_140005_0000.s7k".to_owned();
+    assert_eq!(details(&mut rig), (true, name.clone(), 0.0));
     rig.run(2.0);
     rig.push(A, &enclosed(&navigation_record()));
     let (on, file, size_mb) = details(&mut rig);
-    assert_eq!((on, file.as_str()), (true, "D:\\data\\20261123_140005_0000.s7k"));
+    assert_eq!((on, file.as_str()), (true, name.as_str()));
     let length = rig.files[&file].len();
     assert!((size_mb * 1e6 - length as f64).abs() < 600.0, "{size_mb} {length}");
     let before = rig.sonar.pings.len();
@@ -150,7 +156,7 @@ fn switch_names_the_next_file_and_auto_goes_back_to_times() {
     rig.tell(
         A,
         Command::Switch {
-            name: Box::from("line 3, south"),
+            name: Box::from("line 3 south"),
         },
     );
     rig.run(1.0);
@@ -175,12 +181,12 @@ fn switch_names_the_next_file_and_auto_goes_back_to_times() {
             "20261123_140005_0000.s7k",
             "20261123_140007_0000.s7k",
             "b.s7k",
-            "line 3, south.s7k"
+            "line 3 south.s7k"
         ]
     );
     let last = |name: &str| read(&rig.files[&format!("D:\\data\\{name}")]);
     let first = last("20261123_140005_0000.s7k");
-    let second = last("line 3, south.s7k");
+    let second = last("line 3 south.s7k");
     assert_eq!(
         first[first.len() - 3..first.len() - 1],
         second[1..3],
@@ -268,8 +274,25 @@ fn the_disk_fills_up_and_logging_ends_with_whole_files() {
     let mut rig = pinging(disk);
     rig.tell(A, Command::Logging { on: true });
     rig.take(A);
+    rig.connect(B);
     rig.run(40.0);
-    let alarms = rig.alarms(A);
+    // Everybody hears of it, asked or not.
+    let stopped = Got::Status(Status::FileDetails {
+        on: false,
+        file: Box::from(""),
+        size_mb: 0.0,
+    });
+    assert!(rig.take(B).contains(&stopped));
+    let got = rig.take(A);
+    assert!(got.contains(&stopped), "{got:?}");
+    let alarm = |got: Got| {
+        if let Got::Alarm(mode, alarm) = got {
+            Some((mode, alarm))
+        } else {
+            None
+        }
+    };
+    let alarms: Vec<(AlarmMode, Alarm)> = got.into_iter().filter_map(alarm).collect();
     assert_eq!(alarms.len(), 1);
     let (AlarmMode::Active, Alarm::DiskSpaceCritical { description }) = &alarms[0] else {
         panic!("{alarms:?}")
@@ -319,7 +342,11 @@ fn a_driver_that_cannot_write_ends_logging() {
         rig.plc.file_failed(rig.now, *file, failure);
         rig.drain();
         assert!(rig.has_event(&PlcEventKind::LogStopped(why)) && rig.open_files().is_empty());
-        assert_eq!(rig.alarms(A).len(), alarms);
+        let got = rig.take(A);
+        let count = |of: fn(&Got) -> bool| got.iter().filter(|got| of(got)).count();
+        assert_eq!(count(|got| matches!(got, Got::Alarm(..))), alarms);
+        let off = |got: &Got| matches!(got, Got::Status(Status::FileDetails { on: false, .. }));
+        assert_eq!(count(off), 1, "{got:?}");
         assert!(!details(&mut rig).0);
     }
 }
@@ -352,4 +379,102 @@ fn a_file_that_may_not_grow_counts_as_a_full_disk() {
     }
     let other = std::io::Error::from(std::io::ErrorKind::PermissionDenied);
     assert_eq!(FileFailure::from(&other), FileFailure::Other);
+}
+
+#[test]
+fn the_state_of_logging_has_the_name_of_the_next_file_wherever_one_is_known() {
+    let mut rig = pinging("");
+    rig.tell(A, Command::Logging { on: true });
+    rig.run(1.0);
+    let name = Box::from("survey");
+    rig.tell(A, Command::Switch { name });
+    assert_eq!(details(&mut rig), (true, "D:\\data\\survey.s7k".to_owned(), 0.0));
+    rig.run(1.0);
+    let (on, file, size_mb) = details(&mut rig);
+    assert_eq!((on, file.as_str()), (true, "D:\\data\\survey.s7k"));
+    assert!(size_mb > 0.0);
+    let folder = Box::from("E:\\x");
+    rig.tell(A, Command::Path { folder });
+    let (on, file, size_mb) = details(&mut rig);
+    assert_eq!(
+        (on, file.starts_with("E:\\x\\survey"), size_mb),
+        (true, true, 0.0),
+        "{file}"
+    );
+    rig.run(1.0);
+    assert_eq!(details(&mut rig).1, file);
+}
+
+#[test]
+fn a_disk_without_room_is_critical_whatever_part_of_it_is_left() {
+    let disk = "disk = { capacity_mb = 10, used_mb = 6, critical_percent = 0 }";
+    let mut rig = pinging(disk);
+    rig.tell(A, Command::Logging { on: true });
+    rig.take(A);
+    rig.run(40.0);
+    let alarms = rig.alarms(A);
+    assert!(
+        matches!(alarms[..], [(AlarmMode::Active, Alarm::DiskSpaceCritical { .. })]),
+        "{alarms:?}"
+    );
+    assert!(rig.has_event(&PlcEventKind::LogStopped(LogStop::DiskFull)));
+}
+
+/// Version, flags and type of each record of the one file of a run, and its identifiers.
+fn one_file(table: &str, seed: u64, later_s: u64) -> (Vec<(u16, u16, u32)>, [u64; 4]) {
+    let config = toml::from_str(table).expect("a table");
+    let utc = Utc::from_unix_nanos(START.as_unix_nanos() + later_s * 1_000_000_000);
+    let plc = Plc::new(&config, seed, utc, &Stored::default()).expect("a controller");
+    let mut rig = Rig::of(plc);
+    rig.pose();
+    rig.run(6.0);
+    rig.plc.shut_down(rig.now);
+    rig.drain();
+    let bytes = rig.files.values().next().expect("a file");
+    read(bytes);
+    let mut reader = FileReader::new(Cursor::new(bytes));
+    let (mut records, mut identifiers) = (Vec::new(), [0; 4]);
+    while let Some(item) = reader.next().expect("memory") {
+        let FileItem::Record { frame, .. } = item else { panic!() };
+        let header = frame.header();
+        records.push((header.version, header.flags, header.record_type));
+        if let Ok(Record::FileHeader(record)) = Record::read(&frame) {
+            let header = record.header;
+            identifiers = [
+                header.file_id_1,
+                header.file_id_2,
+                header.session_id_1,
+                header.session_id_2,
+            ];
+        }
+    }
+    (records, identifiers)
+}
+
+#[test]
+fn the_frames_of_a_file_are_of_one_version_and_recorded_where_the_version_says_so() {
+    for (version, flags) in [(4, 1), (5, 0x8001)] {
+        let table = format!("protocol_version = {version}\nauto_start = true");
+        let (records, _) = one_file(&table, 7, 0);
+        assert!(records.len() > 10);
+        for (number, record) in records.iter().enumerate() {
+            let own = number == 0 || number == records.len() - 1;
+            assert_eq!(
+                (record.0, record.1),
+                (version, if own { 1 } else { flags }),
+                "{record:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn runs_that_start_at_other_times_have_other_identifiers() {
+    let identifiers = |seed, later_s| one_file("auto_start = true", seed, later_s).1;
+    let first = identifiers(7, 0);
+    assert_eq!(first, identifiers(7, 0));
+    for other in [identifiers(7, 1), identifiers(8, 0)] {
+        assert_ne!(first[0], other[0], "the file");
+        assert_ne!(first[2..], other[2..], "the session");
+    }
 }

@@ -1,5 +1,6 @@
 //! The controller as its clients see it: records in, records out, and the files that it writes.
 
+mod addressing;
 mod appendix_c;
 mod commands;
 mod configuration;
@@ -10,6 +11,7 @@ mod hostile;
 mod logging;
 mod random;
 mod records;
+mod refusals;
 mod rig;
 mod run_list;
 mod shutdown;

@@ -228,7 +228,7 @@ fn the_speed_of_sound_that_a_client_sends_is_used() {
         };
         let mut out = Vec::new();
         let mut writer = FrameWriter::begin(FrameHeader::new(3100, DeviceId::BLUEFIN), &mut out);
-        let frames = [(Time7k::NONE, environment)];
+        let frames = [(Time7k::from_utc(crate::rig::START), environment)];
         BluefinRecord::compose_environment(0, &frames, checksum, writer.bytes()).expect("one frame");
         writer.finish(FRAME_LIMIT).expect("a short record");
         rig.push(A, &enclosed(&out));

@@ -89,7 +89,10 @@ impl Rig {
 
     pub(crate) fn with(table: &str, seed: u64, stored: &Stored) -> Self {
         let config: PlcConfig = toml::from_str(table).expect("a table");
-        let plc = Plc::new(&config, seed, START, stored).expect("a controller");
+        Self::of(Plc::new(&config, seed, START, stored).expect("a controller"))
+    }
+
+    pub(crate) fn of(plc: Plc) -> Self {
         let mut rig = Self {
             plc,
             sonar: Counting::default(),

@@ -200,3 +200,32 @@ fn a_sensor_whose_start_failed_starts_after_a_reset() {
     assert_eq!(rig.events.iter().filter(begin).count(), 2);
     assert!(rig.has_event(&PlcEventKind::SensorStarted(SUB_BOTTOM, SensorKind::SubBottom)));
 }
+
+#[test]
+fn a_sensor_is_not_healthy_before_it_has_started() {
+    let mut rig = Rig::new("health_period_s = 0.5");
+    rig.connect(A);
+    let health = |rig: &mut Rig| {
+        rig.tell(A, Command::Health {});
+        let got = rig.take(A);
+        let Some(Got::Status(Status::Health { sensors })) = got.last() else {
+            panic!("{got:?}")
+        };
+        sensors.iter().map(|entry| entry.healthy).collect::<Vec<_>>()
+    };
+    assert_eq!(health(&mut rig), [false; 4]);
+    rig.run(1.0);
+    assert_eq!(
+        health(&mut rig),
+        [false, false, false, true],
+        "the vehicle's starts first"
+    );
+    rig.run(4.0);
+    assert_eq!(health(&mut rig), [true; 4]);
+    // None of them has failed a check.
+    assert!(
+        !rig.events
+            .iter()
+            .any(|event| matches!(event.kind, PlcEventKind::Raised(_)))
+    );
+}

@@ -77,11 +77,11 @@ fn a_damaged_component_never_panics() {
 fn other_imports_are_refused_by_name() {
     assert_eq!(
         refusal(&wat(r#"(component (import "wasi:cli/environment@0.2.0" (instance)))"#)),
-        "odd: imports wasi:cli/environment@0.2.0, but a plugin may import only log and fence of backseat:plugin@0.1.0"
+        "odd: imports wasi:cli/environment@0.2.0, but a plugin may import only log, fence and measures of backseat:plugin@0.1.0"
     );
     assert_eq!(
         refusal(&wat(r#"(component (import "backseat:plugin/log@0.2.0" (instance)))"#)),
-        "odd: imports backseat:plugin/log@0.2.0, but a plugin may import only log and fence of backseat:plugin@0.1.0"
+        "odd: imports backseat:plugin/log@0.2.0, but a plugin may import only log, fence and measures of backseat:plugin@0.1.0"
     );
 }
 

@@ -2,7 +2,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use backseat_core::plugin::FaultKind;
-use backseat_plugin_host::{Budget, HostError, LOG_FUEL};
+use backseat_plugin_host::{Budget, HostError, LOG_FUEL, PUBLISH_FUEL};
 
 use crate::fixture::{Latitude, components, fault_kind, faulty, input, only_modify};
 
@@ -34,10 +34,23 @@ fn more_memory_takes_more_fuel_before_it_is_refused() {
                 ..Budget::default()
             },
         );
-        fault_kind(&plugin.step(&input(0)))
+        plugin.step(&input(0)).result.expect_err("a bound is broken")
     };
-    assert_eq!(fault(4 << 20), Some(FaultKind::Memory));
-    assert_eq!(fault(64 << 20), Some(FaultKind::OutOfFuel));
+    let refused = fault(4 << 20);
+    assert_eq!(refused.kind, FaultKind::Memory);
+    assert!(
+        refused
+            .text
+            .starts_with("was refused 1.06 MiB of memory, as it uses 3.25 MiB")
+            && refused.text.contains(" MiB of its 4.00 MiB: "),
+        "{}",
+        refused.text
+    );
+    let ended = fault(64 << 20);
+    assert_eq!(
+        (ended.kind, ended.text.as_str()),
+        (FaultKind::OutOfFuel, "used all its fuel: 100000 units")
+    );
 }
 
 #[test]
@@ -73,7 +86,10 @@ fn init_has_a_budget_of_its_own() {
         .start(budget, "{}", Arc::new(Latitude))
         .err()
         .unwrap();
-    assert_eq!(error.to_string(), "faulty: cannot be started: used all its fuel");
+    assert_eq!(
+        error.to_string(),
+        "faulty: cannot be started: used all its fuel: 1000 units"
+    );
 }
 
 #[test]
@@ -108,4 +124,32 @@ fn a_plugin_can_be_given_to_a_thread() {
     let mut plugin = faulty("none", 0, Budget::default());
     let returned = std::thread::spawn(move || plugin.step(&input(0))).join().unwrap();
     only_modify(&returned);
+}
+
+#[test]
+fn published_values_are_bounded_and_the_rest_are_counted_with_the_reason() {
+    let mut plugin = faulty("publish_flood", 0, Budget::default());
+    let returned = plugin.step(&input(0));
+    only_modify(&returned);
+    assert_eq!(returned.measures.len(), 128);
+    let last = returned.measures.last().unwrap();
+    assert_eq!(
+        (last.name.as_str(), last.value, last.unit.as_str()),
+        ("index", 127.0, "")
+    );
+    let lines: Vec<&str> = returned.log.iter().map(|line| line.text.as_str()).collect();
+    let name = "Name".repeat(12);
+    assert_eq!(
+        lines,
+        [format!(
+            "874 values were not published, the last of them \"{name}\": a name is 1 to 48 of a-z, 0-9 and _, and begins with a letter"
+        )]
+    );
+    assert!(
+        returned.fuel > 1_000 * PUBLISH_FUEL + (1 << 14),
+        "each value is charged, kept or not: {}",
+        returned.fuel
+    );
+    // In the next second there is room for 64 again.
+    assert_eq!(plugin.step(&input(1)).measures.len(), 64);
 }

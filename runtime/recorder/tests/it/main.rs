@@ -1,3 +1,7 @@
 //! The log of a run.
 
+mod channels;
 mod log;
+mod sample;
+mod view;
+mod viewer;

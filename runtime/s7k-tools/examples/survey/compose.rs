@@ -407,6 +407,7 @@ pub(crate) fn file(records: &[Bytes]) -> Bytes {
         devices: [11_000, 11_001, 11_002, 11_100]
             .map(|device| (DeviceId(device), 0))
             .to_vec(),
+        version_5: false,
     };
     let mut writer = FileWriter::create(Cursor::new(Vec::new()), info, time(0.0)).unwrap();
     for record in records {

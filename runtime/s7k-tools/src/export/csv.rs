@@ -14,6 +14,7 @@ use crate::moment::Moment;
 use crate::output::Output;
 use crate::selection::Selection;
 use crate::source::Source;
+use crate::unmatched::Unmatched;
 
 /// What a CSV file has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,7 +47,7 @@ const HEAD: [&str; 10] = [
 /// [`Error::Read`] and [`Error::Write`]; [`Error::Contents`] if there is no such frame.
 pub fn export_csv(source: &Source, selection: &Selection, what: CsvOf, out: &Path) -> Result<Exported, Error> {
     let failed = |error: csv::Error| Error::write(out, plain(error));
-    let mut writer = csv::Writer::from_writer(Output::create(out)?);
+    let mut writer = csv::Writer::from_writer(Output::create(out, source)?);
     let (fields, bits): (_, Vec<String>) = match what {
         CsvOf::Navigation => (
             NavigationFrame::LAYOUT.fields,
@@ -97,8 +98,7 @@ pub fn export_csv(source: &Source, selection: &Selection, what: CsvOf, out: &Pat
             CsvOf::Navigation => "navigation",
             CsvOf::Environment => "environment",
         };
-        let what = format!("no {kind} (record 3100) to export: see `backseat s7k info` for what there is");
-        return Err(Error::contents(source.path(), what));
+        return Err(Unmatched::survey(source, 3100)?.refuse(source, selection, 3100, kind));
     }
     let output = writer
         .into_inner()
@@ -109,6 +109,7 @@ pub fn export_csv(source: &Source, selection: &Selection, what: CsvOf, out: &Pat
         wrong,
         "frames whose checksum is right by neither reading of the specification",
     );
+    exported.note_left_out(source);
     Ok(exported)
 }
 

@@ -12,6 +12,7 @@ use tiff::tags::Tag;
 use super::raster::Raster;
 use crate::error::Error;
 use crate::output::Output;
+use crate::source::Source;
 
 /// Where a raster is.
 #[derive(Clone, Copy, Debug)]
@@ -55,8 +56,8 @@ impl Georeference {
 }
 
 /// Writes it, with 0 as the value of cells without data.
-pub(super) fn write_geotiff(raster: &Raster, place: &Georeference, out: &Path) -> Result<(), Error> {
-    let mut output = Output::create(out)?;
+pub(super) fn write_geotiff(source: &Source, raster: &Raster, place: &Georeference, out: &Path) -> Result<(), Error> {
+    let mut output = Output::create(out, source)?;
     encode(raster, place, &mut output).map_err(|error| {
         let error = match error {
             TiffError::IoError(error) => error,

@@ -124,13 +124,14 @@ pub fn export_mosaic(source: &Source, selection: &Selection, mosaic: &Mosaic, ou
         cell: survey.cell,
         corner: Vector2::new(survey.corner.x, survey.opposite.y),
     };
-    write_geotiff(&raster, &georeference, out)?;
+    write_geotiff(source, &raster, &georeference, out)?;
     let mut exported = Exported::new(format!(
         "{} x {} cells of {} m, EPSG:{}",
         raster.width, raster.height, mosaic.resolution_m, georeference.epsg
     ));
     exported.note_if(survey.unplaced, "pings left out without a time, position or heading");
     exported.note_if(survey.blind, "pings left out without an altitude");
+    exported.note_left_out(source);
     Ok(exported)
 }
 

@@ -63,7 +63,7 @@ pub fn export_segy(
     let common = survey(source, selection, device, channel)?;
     let track = Track::read(source)?;
     let failed = |error| Error::write(out, error);
-    let mut output = std::io::BufWriter::new(Output::create(out)?);
+    let mut output = std::io::BufWriter::new(Output::create(out, source)?);
     let mut bytes = textual_header(source, &common, signal);
     binary_header(&mut bytes, &common);
     output.write_all(&bytes).map_err(failed)?;
@@ -108,6 +108,7 @@ pub fn export_segy(
         "traces with the position of EdgeTech's header, because navigation has none",
     );
     exported.note_if(without_position, "traces without a position");
+    exported.note_left_out(source);
     Ok(exported)
 }
 
@@ -313,9 +314,9 @@ fn trace_header(
         }
         header.i32(181, scaled(longitude * 3600.0, COORDINATE_SCALE));
         header.i32(185, scaled(latitude * 3600.0, COORDINATE_SCALE));
+        // Seconds of arc. Without a position the coordinates and their units are 0.
+        header.i16(89, 2);
     }
-    // Seconds of arc.
-    header.i16(89, 2);
     header.i16(109, short((channel.header.start_us + 500) / 1000));
     header.i16(115, short(common.samples));
     header.i16(117, short(common.interval_us));

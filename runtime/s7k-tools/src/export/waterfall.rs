@@ -80,7 +80,7 @@ pub fn export_waterfall(
     }
     let scale = gain.finish(drawing.gain);
     let failed = |error: io::Error| Error::write(out, error);
-    let mut output = Output::create(out)?;
+    let mut output = Output::create(out, source)?;
     let (width, height) = (2 * columns, line.pings.len());
     let size = |pixels: usize| u32::try_from(pixels).unwrap_or(u32::MAX);
     let mut encoder = png::Encoder::new(&mut output, size(width), size(height));
@@ -112,6 +112,7 @@ pub fn export_waterfall(
         line.reach_m, grid.step_m
     ));
     exported.note_if(blind, "pings without an altitude, which are black");
+    exported.note_left_out(source);
     Ok(exported)
 }
 

@@ -75,7 +75,7 @@ pub fn export_xtf(
 ) -> Result<Exported, Error> {
     let line = Line::survey(source, selection, AltitudeFrom::Navigation, sound_speed_mps)?;
     let failed = |error| Error::write(out, error);
-    let mut output = std::io::BufWriter::new(Output::create(out)?);
+    let mut output = std::io::BufWriter::new(Output::create(out, source)?);
     let (mut sides, mut buffer, mut record) = (Sides::default(), Vec::new(), Vec::new());
     let wide = line
         .pings
@@ -125,6 +125,7 @@ pub fn export_xtf(
     );
     exported.note_if(without_time, "pings without a time");
     exported.note_if(clipped, "samples clipped at the greatest number");
+    exported.note_left_out(source);
     Ok(exported)
 }
 

@@ -61,7 +61,11 @@ fn write_all(out: &mut String, file: &str, info: &Info) -> core::fmt::Result {
         gaps(out, group)?;
     }
     checks(out, info)?;
-    damage(out, &info.damage)
+    damage(out, &info.damage)?;
+    match &info.warning {
+        Some(warning) => writeln!(out, "warning: {warning}"),
+        None => Ok(()),
+    }
 }
 
 fn table(out: &mut String, groups: &[Group]) -> core::fmt::Result {

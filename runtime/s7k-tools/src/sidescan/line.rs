@@ -13,6 +13,7 @@ use crate::moment::Moment;
 use crate::selection::Selection;
 use crate::source::Source;
 use crate::track::{Pose, Track};
+use crate::unmatched::Unmatched;
 
 /// A ping, in a few bytes.
 #[derive(Clone, Copy, Debug)]
@@ -54,10 +55,7 @@ pub(crate) fn device(source: &Source, selection: &Selection, record_type: u32, w
     let mut found = devices.iter();
     match (found.next(), found.next()) {
         (Some((device, _)), None) => Ok(*device),
-        (None, _) => Err(Error::contents(
-            source.path(),
-            format!("no {what} (record {record_type}) to export: see `backseat s7k info` for what there is"),
-        )),
+        (None, _) => Err(Unmatched::survey(source, record_type)?.refuse(source, selection, record_type, what)),
         (Some(_), Some(_)) => {
             let list: Vec<String> = devices
                 .iter()

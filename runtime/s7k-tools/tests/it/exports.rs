@@ -340,6 +340,7 @@ fn without_navigation_a_trace_has_the_position_of_its_own_header() {
     );
     let bytes = dive.written();
     assert_eq!((big(&bytes, 3672), big(&bytes, 3676)), (-255_240_000, 152_280_000));
+    assert_eq!(bytes[3600 + 88..3600 + 90], [0, 2], "seconds of arc");
     assert_eq!(
         f32::from_be_bytes(bytes[3840..3844].try_into().unwrap()),
         f32::from(compose::trace(0.0)[0][0])
@@ -349,6 +350,26 @@ fn without_navigation_a_trace_has_the_position_of_its_own_header() {
         dive.refused(export_segy(&dive.source, &all, Signal::Envelope, 1, &dive.out())),
         "no sub-bottom profile has a channel 1: try --channel 0"
     );
+}
+
+#[test]
+fn a_trace_without_a_position_has_neither_coordinates_nor_their_units() {
+    let mut records = compose::records();
+    let number = |record: &[u8], at: usize| u32::from_le_bytes(record[at..at + 4].try_into().unwrap());
+    records.retain(|record| number(record, 32) != 3100);
+    for record in records.iter_mut().filter(|record| number(record, 32) == 3001) {
+        // Source and group in EdgeTech's header, which is the optional data.
+        let at = number(record, 12) as usize + 72;
+        record[at..at + 16].fill(0);
+    }
+    let dive = Dive::of(&compose::file(&records));
+    let done = export_segy(&dive.source, &Selection::default(), Signal::Real, 0, &dive.out()).unwrap();
+    assert_eq!(done.notes, ["traces without a position: 120"]);
+    let bytes = dive.written();
+    for trace in bytes[3600..].chunks(3440) {
+        assert_eq!(trace[72..90], [0; 18]);
+        assert_eq!(trace[180..188], [0; 8]);
+    }
 }
 
 #[test]
@@ -363,7 +384,8 @@ fn exports_of_a_damaged_recording_have_what_is_whole() {
     let done = export_csv(&dive.source, &all, CsvOf::Navigation, &dive.out()).unwrap();
     assert_eq!(
         done.to_string(),
-        "305 rows; frames whose checksum is right by neither reading of the specification: 1"
+        "305 rows; frames whose checksum is right by neither reading of the specification: 1; left out: 4192 bytes that \
+         are not a record, in 3 places (see `backseat s7k verify`)"
     );
     export_mosaic(&dive.source, &device(11_002), &Mosaic::default(), &dive.out()).unwrap();
 }

@@ -359,15 +359,39 @@ fn cut_writes_a_whole_file_with_the_same_records() {
 }
 
 #[test]
-fn a_recording_cut_onto_itself_is_replaced_by_its_part() {
-    let (_folder, path) = recording(&compose::clean());
+fn a_link_keeps_its_place_and_what_it_names_is_written() {
+    let (folder, path) = recording(&compose::clean());
+    let (target, link) = (folder.path().join("part.s7k"), folder.path().join("link.s7k"));
+    std::fs::write(&target, b"before").unwrap();
+    std::os::unix::fs::symlink(&target, &link).unwrap();
     let selection = Selection {
         types: vec![3001],
         ..Selection::default()
     };
-    cut(&Source::open(&path).unwrap(), &selection, &path).unwrap();
-    let (info, _) = info_of(&std::fs::read(&path).unwrap());
+    cut(&Source::open(&path).unwrap(), &selection, &link).unwrap();
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    let (info, _) = info_of(&std::fs::read(&target).unwrap());
     assert_eq!(info.records, 122);
+}
+
+#[test]
+fn a_cut_has_the_protocol_version_of_its_records() {
+    for version in [4_u16, 5] {
+        let (mut bytes, mut records) = (Vec::new(), Vec::new());
+        let header = FrameHeader::new(9000, DeviceId(7)).at(compose::time(1.0));
+        let header = if version == 5 { header.version_5() } else { header };
+        FrameWriter::begin(header, &mut bytes).finish(FRAME_LIMIT).unwrap();
+        let (folder, path) = recording(&bytes);
+        let out = folder.path().join("cut.s7k");
+        cut(&Source::open(&path).unwrap(), &Selection::default(), &out).unwrap();
+        let written = std::fs::read(&out).unwrap();
+        let mut rest = &written[..];
+        while let Ok(frame) = backseat_s7k::Frame::read(rest, FRAME_LIMIT) {
+            records.push((frame.header().record_type, frame.header().version));
+            rest = &rest[frame.bytes().len()..];
+        }
+        assert_eq!(records, [(7200, version), (9000, version), (7300, version)]);
+    }
 }
 
 #[test]
@@ -409,4 +433,38 @@ fn a_catalogue_longer_than_any_other_record_is_read() {
     assert_eq!((info.records, info.damage.bytes), (350_002, 0));
     let (lines, verdict, right) = findings(&bytes);
     assert!(right, "{} {verdict}", lines.len());
+}
+
+/// A recording whose pings nobody can place is right, and useless: people are told.
+#[test]
+fn navigation_that_does_not_meet_the_pings_is_a_warning() {
+    let keep = |keep: &dyn Fn(u32, usize) -> bool| {
+        let records = compose::records().into_iter().enumerate();
+        let records: Vec<_> = records
+            .filter(|(number, record)| keep(u32::from_le_bytes(record[32..36].try_into().unwrap()), *number))
+            .map(|(_, record)| record)
+            .collect();
+        compose::file(&records)
+    };
+    let (_, verdict, right) = findings(&keep(&|record_type, _| record_type != 3100));
+    assert!(
+        right && verdict.contains("warning: the pings have no navigation"),
+        "{verdict}"
+    );
+    let third = compose::records().len() / 3;
+    let apart = keep(&|record_type, number| match record_type {
+        3100 => number < third,
+        _ => number > 2 * third,
+    });
+    let (_, verdict, right) = findings(&apart);
+    assert!(
+        right && verdict.contains("navigation and pings do not overlap in time: positions from"),
+        "{verdict}"
+    );
+    let (info, text) = info_of(&apart);
+    assert!(
+        info.warning.is_some() && text.contains("warning: navigation and pings do not overlap"),
+        "{text}"
+    );
+    assert_eq!(info_of(&compose::clean()).0.warning, None);
 }

@@ -73,6 +73,13 @@ impl<D: Folder> RotatingWriter<D> {
         })
     }
 
+    /// The name of the file that is open, or else of the one that the next record begins.
+    #[must_use]
+    pub fn next_name(&self) -> String {
+        self.current()
+            .map_or_else(|| name(&self.stem, self.number), |(name, _)| name)
+    }
+
     /// Writes a record; before it, ends the file if it would become too long, and begins the next.
     ///
     /// # Errors
@@ -84,6 +91,8 @@ impl<D: Folder> RotatingWriter<D> {
             self.switch(frame.header().time)?;
         }
         if self.open.is_none() {
+            // The frames of a file are of one version.
+            self.info.version_5 = frame.header().version == 5;
             self.begin(frame.header().time)?;
         }
         if let Some((_, writer)) = &mut self.open {

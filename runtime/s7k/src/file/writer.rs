@@ -46,9 +46,18 @@ pub struct FileInfo {
     pub notes: Chars<128>,
     /// The devices whose records the file will hold.
     pub devices: Vec<(DeviceId, u16)>,
+    /// The records are of protocol version 5: so are the frames of the file's header and catalogue. Otherwise both are
+    /// of version 4.
+    pub version_5: bool,
 }
 
 impl FileInfo {
+    /// The header of a frame that the file has of its own.
+    const fn own(&self, record_type: u32, time: Time7k) -> FrameHeader {
+        let header = FrameHeader::new(record_type, DeviceId::LOGGER).at(time);
+        if self.version_5 { header.version_5() } else { header }
+    }
+
     /// The frame of the file header.
     fn frame(&self, time: Time7k, catalog: CatalogLocation) -> Result<Vec<u8>, TooLong> {
         let count = u32::try_from(self.devices.len()).unwrap_or(u32::MAX);
@@ -67,7 +76,7 @@ impl FileInfo {
             notes: self.notes,
         };
         let mut out = Vec::new();
-        let mut frame = FrameWriter::begin(FrameHeader::new(7200, DeviceId::LOGGER).at(time), &mut out);
+        let mut frame = FrameWriter::begin(self.own(7200, time), &mut out);
         header.write(frame.bytes());
         for (device, enumerator) in &self.devices {
             FileDevice {
@@ -174,7 +183,7 @@ impl<F: LogFile> FileWriter<F> {
     pub fn finish(mut self, time: Time7k) -> io::Result<F> {
         let entries = u32::try_from(self.entries.len()).map_err(io::Error::other)?;
         let mut out = Vec::new();
-        let mut frame = FrameWriter::begin(FrameHeader::new(7300, DeviceId::LOGGER).at(time), &mut out);
+        let mut frame = FrameWriter::begin(self.info.own(7300, time), &mut out);
         let size = CatalogHeader::SIZE as u32;
         CatalogHeader {
             size,

@@ -1,7 +1,7 @@
 //! Commands to the payload controller (Table 16).
 
 use super::Generic;
-use super::form::{Calendar, CalendarTime, Flag, Int, Last, Name, Sensor, Unsigned, UnsignedFlag};
+use super::form::{Bit, Calendar, CalendarTime, Flag, Int, Last, Name, Sensor, Unsigned, UnsignedBit};
 use super::table::texts;
 use super::text::{TextError, TextFault};
 use crate::SensorIndex;
@@ -139,11 +139,12 @@ texts! {
         /// The alarm of Table 18.
         alarm: i32 as Int, "identifier";
         /// On or off.
-        on: bool as Flag, "flag";
+        on: bool as Bit, "flag";
     }
     "3, 0"
 
-    /// Solicits a status of a sensor.
+    /// Solicits a status of a sensor. Without parameters it is that of the sensor in the record's header: see
+    /// [`Order::Get`].
     10 Status "" {
         /// The sensor.
         sensor: SensorIndex as Sensor, "index";
@@ -153,7 +154,7 @@ texts! {
     /// Acknowledgements on (verbose mode) or off (quiet mode).
     11 Verbose "" {
         /// On or off.
-        on: bool as Flag, "flag";
+        on: bool as Bit, "flag";
     }
     "1"
 
@@ -224,14 +225,14 @@ texts! {
     /// Whether logging and sensors are active from start-up.
     22 AutoStart "" {
         /// On or off.
-        on: bool as UnsignedFlag, "flag";
+        on: bool as UnsignedBit, "flag";
     }
     "1"
 
     /// The controller's own health check of its sensors.
     23 AutoHealthCheck "" {
         /// On or off.
-        on: bool as Flag, "flag";
+        on: bool as Bit, "flag";
         /// The period.
         period_ms: u32 as Unsigned, "ms";
     }
@@ -268,7 +269,7 @@ texts! {
     /// A time message (record 7400) about once a minute, to all clients.
     28 TimeMessages "" {
         /// On or off.
-        on: bool as UnsignedFlag, "flag";
+        on: bool as UnsignedBit, "flag";
     }
     "1"
 }
@@ -299,8 +300,13 @@ impl Order {
             return Ok(Self::Unknown(command));
         };
         let text = without_name(text, entry.name);
-        let parameters = text.trim().is_empty() && !entry.fields.is_empty();
-        if parameters && (action == Action::Get || command == CommandId::LoggingSetup) {
+        let without_parameters = text.trim().is_empty() && !entry.fields.is_empty();
+        // These two retrieve, whatever the action says: Table 16 has "or none" for the one, and the other's parameter may
+        // stand in the record's header.
+        let retrieves = matches!(command, CommandId::LoggingSetup | CommandId::Status);
+        // A command that is reserved has no parameters to be without.
+        let reserved = matches!(command, CommandId::Reserved19 | CommandId::Reserved27);
+        if without_parameters && !reserved && (action == Action::Get || retrieves) {
             return Ok(Self::Get(command));
         }
         let fault = TextFault::expected("a command of Table 16", text);
@@ -323,15 +329,25 @@ impl Order {
         }
     }
 
-    /// Appends the text, exactly as Table 16 has it.
+    /// Appends the text, exactly as Table 16 has it. If the parameters begin as the command's own name would, the name
+    /// comes before them, so that nobody takes them for it.
     ///
     /// # Errors
     /// [`TextError`] if a value cannot be written.
     pub fn write(&self, out: &mut String) -> Result<(), TextError> {
-        match self {
-            Self::Do(command) => command.write(out),
-            Self::Get(_) | Self::Unknown(_) => Ok(()),
+        let Self::Do(command) = self else { return Ok(()) };
+        let begin = out.len();
+        command.write(out)?;
+        let entry = ENTRIES
+            .iter()
+            .find(|entry| i64::from(entry.id) == i64::from(command.command().code()));
+        if let Some(entry) = entry
+            && without_name(&out[begin..], entry.name) != &out[begin..]
+        {
+            out.insert_str(begin, ", ");
+            out.insert_str(begin, entry.name);
         }
+        Ok(())
     }
 
     /// Whether the record says that it sets or that it retrieves.
@@ -353,8 +369,9 @@ impl Command {
         CommandId::from(u32::try_from(self.id()).unwrap_or(u32::MAX))
     }
 
-    /// Whether the command only solicits a message.
-    const fn solicits(&self) -> bool {
+    /// Whether the command only solicits a message: whether it is one that the action "get" fits.
+    #[must_use]
+    pub const fn solicits(&self) -> bool {
         match self {
             Self::Version {}
             | Self::Status { .. }

@@ -101,25 +101,45 @@ impl Form for Flag {
     }
 }
 
-/// Yes or no, where the format has `%lu`.
-pub(crate) enum UnsignedFlag {}
-
-impl Form for UnsignedFlag {
-    type Value = bool;
-    const FORMAT: &'static str = "%lu";
-
-    fn read(reader: &mut Reader<'_>) -> Result<bool, TextFault> {
-        Unsigned::read(reader).map(|number| number != 0)
+/// 1 or 0, where the specification gives these two numbers and no other a meaning.
+fn bit(text: &str) -> Result<bool, TextFault> {
+    match text.parse() {
+        Ok(0_u8) => Ok(false),
+        Ok(1) => Ok(true),
+        _ => Err(TextFault::expected("0 or 1", text)),
     }
+}
 
-    fn write(value: &bool, writer: &mut Writer<'_>) -> Result<(), TextFault> {
-        Flag::write(value, writer)
-    }
+macro_rules! bits {
+    ($( $(#[$doc:meta])* $Form:ident, $format:literal; )*) => { $(
+        $(#[$doc])*
+        pub(crate) enum $Form {}
 
-    #[cfg(test)]
-    fn strategy() -> proptest::strategy::BoxedStrategy<bool> {
-        Flag::strategy()
-    }
+        impl Form for $Form {
+            type Value = bool;
+            const FORMAT: &'static str = $format;
+
+            fn read(reader: &mut Reader<'_>) -> Result<bool, TextFault> {
+                bit(reader.next()?)
+            }
+
+            fn write(value: &bool, writer: &mut Writer<'_>) -> Result<(), TextFault> {
+                Flag::write(value, writer)
+            }
+
+            #[cfg(test)]
+            fn strategy() -> proptest::strategy::BoxedStrategy<bool> {
+                Flag::strategy()
+            }
+        }
+    )* };
+}
+
+bits! {
+    /// 1 for yes, 0 for no, and nothing else.
+    Bit, "%d";
+    /// 1 for yes, 0 for no, and nothing else, where the format has `%lu`.
+    UnsignedBit, "%lu";
 }
 
 macro_rules! decimals {

@@ -120,6 +120,24 @@ fn a_command_is_read_with_and_without_its_name() {
 }
 
 #[test]
+fn parameters_that_begin_as_the_commands_name_are_written_behind_it() {
+    for (id, text) in [
+        (0, "Generic, Generic,"),
+        (0, "Generic, Generic"),
+        (2, "Switch, Switch, 2"),
+    ] {
+        let order = order(id, text);
+        let mut written = "before: ".to_owned();
+        order.write(&mut written).unwrap();
+        assert_eq!(written, format!("before: {text}"));
+        assert_eq!(
+            Order::read(order.command(), Action::Set, &written["before: ".len()..]),
+            Ok(order)
+        );
+    }
+}
+
+#[test]
 fn a_value_is_retrieved_by_a_command_without_parameters() {
     let get = |id: u32| Order::read(CommandId::from(id), Action::Get, "").unwrap();
     assert_eq!(get(22), Order::Get(CommandId::AutoStart));

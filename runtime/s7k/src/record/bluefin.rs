@@ -1,10 +1,14 @@
 //! Data from a Bluefin vehicle (3100): frames of navigation and of environment (2.4, appendix B).
 
+mod check;
+
 use super::{RecordError, RecordFault};
 use crate::checksum::{BluefinChecksum, crc32};
 use crate::layout::{Range, layouts};
 use crate::time::Time7k;
 use crate::wire::{Reserved, Wire, codes};
+
+pub use check::BluefinFault;
 
 codes! {
     /// What a record's frames hold, as its record type header says it.

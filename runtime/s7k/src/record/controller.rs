@@ -2,9 +2,10 @@
 
 use super::{RecordError, RecordFault};
 use crate::device::SensorIndex;
+use crate::frame::Frame;
 use crate::layout::{Range, layouts};
 use crate::plc::CommandId;
-use crate::wire::{before_nul, codes};
+use crate::wire::{Wire, before_nul, codes};
 
 codes! {
     /// Whether a command sets or retrieves.
@@ -121,6 +122,21 @@ impl<'a> CommandRecord<'a> {
     #[must_use]
     pub fn text(&self) -> std::borrow::Cow<'a, str> {
         String::from_utf8_lossy(before_nul(self.text))
+    }
+
+    /// What follows the text. A sender may fill up with NUL; anything else says that the header's length is wrong.
+    #[must_use]
+    pub const fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
+    /// The command and its target in the frame of a command's record, whatever else is wrong with the record. `None` if
+    /// the header ends before them.
+    #[must_use]
+    pub fn addressed(frame: &Frame<'_>) -> Option<(CommandId, SensorIndex)> {
+        let start = frame.payload().get(..SensorIndex::SIZE + CommandId::SIZE)?;
+        let (sensor, command) = start.split_at(SensorIndex::SIZE);
+        Some((CommandId::get(command), SensorIndex::get(sensor)))
     }
 
     /// Appends the record as it was read.

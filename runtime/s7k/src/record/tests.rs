@@ -418,3 +418,89 @@ fn every_type_cut_at_every_byte_is_an_error_or_a_shorter_record() {
         }
     }
 }
+
+#[test]
+fn vehicle_data_are_checked_before_they_are_passed_on() {
+    let time = Time7k::from_utc(Utc::from_unix_nanos(1_700_000_000_250_000_000));
+    let quality = NavigationQuality::default()
+        .with(NavigationField::Latitude)
+        .with(NavigationField::Longitude)
+        .with(NavigationField::Depth);
+    let good = NavigationFrame {
+        quality,
+        latitude_rad: -core::f64::consts::FRAC_PI_2,
+        longitude_rad: core::f64::consts::PI,
+        ..NavigationFrame::default()
+    };
+    let body = |frames: &[(Time7k, NavigationFrame)]| {
+        let mut body = Vec::new();
+        BluefinRecord::compose_navigation(9, frames, BluefinChecksum::WholePacket, &mut body).unwrap();
+        body
+    };
+    let check = |body: &[u8]| {
+        let record = framed(3100, body);
+        let frame = frame(&record);
+        let Record::Bluefin(read) = Record::read(&frame).unwrap() else {
+            panic!("{frame:?}")
+        };
+        read.check()
+    };
+    for frames in [0, 1, 25] {
+        assert_eq!(check(&body(&vec![(time, good); frames])), Ok(()));
+    }
+    let said = |at: usize, bytes: &[u8]| {
+        let mut body = body(&[(time, good); 2]);
+        body[at..at + bytes.len()].copy_from_slice(bytes);
+        check(&body).unwrap_err().to_string()
+    };
+    // In the record's header, and in that of the second frame.
+    assert_eq!(said(12, &[2]), "field data_format: 2 is neither 0 nor 1");
+    assert_eq!(said(4, &[1]), "128 bytes follow the last frame");
+    let second = 32 + 128;
+    assert_eq!(said(12, &[1]), "frame 0 field data_type: 1, expected 2");
+    assert_eq!(said(second, &[64]), "frame 1 field packet_size: 64, expected 128");
+    assert_eq!(said(second + 6, &[40]), "frame 1 field offset: 40, expected 32");
+    assert_eq!(said(second + 8, &[3]), "frame 1 field data_type: 3, expected 1");
+    assert_eq!(said(second + 12, &[95]), "frame 1 field data_size: 95, expected 96");
+    assert_eq!(said(second + 16, &[0; 10]), "frame 1 field time: this is no time");
+    assert_eq!(said(second + 16, &[0xFF; 10]), "frame 1 field time: this is no time");
+    let mut many = body(&[(time, good); 13]);
+    many.extend_from_within(32..);
+    many[4] = 26;
+    assert_eq!(check(&many).unwrap_err(), BluefinFault::Frames { frames: 26 });
+    let mut odd = body(&[(time, good)]);
+    odd[8] = 127;
+    assert_eq!(check(&odd).unwrap_err(), BluefinFault::FrameSize { size: 127 });
+    // Values that are valid are numbers, and positions are on the earth; the others may be anything.
+    let value = |change: fn(&mut NavigationFrame)| {
+        let mut frame = good;
+        change(&mut frame);
+        check(&body(&[(time, frame)]))
+    };
+    for change in [
+        (|frame| frame.latitude_rad = 1.58) as fn(&mut NavigationFrame),
+        |frame| frame.latitude_rad = f64::NAN,
+        |frame| frame.longitude_rad = -3.15,
+        |frame| frame.depth_m = f64::INFINITY,
+    ] {
+        assert!(matches!(value(change), Err(BluefinFault::Value { frame: 0, .. })));
+    }
+    assert_eq!(value(|frame| frame.altitude_m = f64::NAN), Ok(()));
+    assert_eq!(
+        value(|frame| {
+            frame.quality = NavigationQuality::default();
+            frame.latitude_rad = 5.0;
+        }),
+        Ok(())
+    );
+}
+
+#[test]
+fn a_command_that_cannot_be_read_still_names_itself() {
+    let record = framed(11_000, &[0xFF, 0xFF, 0xFF, 0xFF, 4, 0, 0, 0, 1]);
+    assert!(Record::read(&frame(&record)).is_err());
+    let addressed = CommandRecord::addressed(&frame(&record));
+    assert_eq!(addressed, Some((CommandId::Version, SensorIndex::PLC)));
+    let short = framed(11_000, &[0; 7]);
+    assert_eq!(CommandRecord::addressed(&frame(&short)), None);
+}

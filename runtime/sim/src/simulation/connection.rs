@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use backseat_core::Input;
-use backseat_mvc::{ClientId, Direction as Way, FaultEdge, FaultKind, LinkFaultKind, MvcEventKind, Truth};
+use backseat_mvc::{ClientId, Direction as Way, FaultEdge, FaultKind, LinkFaultKind, MvcEventKind, Status, Truth};
 use backseat_units::Timestamp;
 
+use crate::control::Control;
 use crate::digest::Direction;
 use crate::simulation::{SimError, Simulation};
 
@@ -152,9 +153,17 @@ impl Simulation {
     /// Shows the vehicle's true state to the oracle and to the trace.
     pub(super) fn look(&mut self) -> Result<(), SimError> {
         let truth: Truth = self.mvc.truth();
-        if self.trace.truth(&truth)
-            && let (Some(recorder), Some(sample)) = (&mut self.recorder, self.trace.samples.last())
-        {
+        let sampled = self.trace.truth(&truth);
+        if sampled {
+            let control = match &self.process {
+                None => Control::NoProcess,
+                Some(process) => process.core.uncontrolled().map_or(Control::Granted, Control::Lost),
+            };
+            let second = truth.time.as_nanos() / 1_000_000_000;
+            let runs = self.mvc.mission_status() == Status::Running;
+            self.control.second(second, control, runs);
+        }
+        if sampled && let (Some(recorder), Some(sample)) = (&mut self.recorder, self.trace.samples.last()) {
             recorder.truth(self.now, sample)?;
         }
         self.oracle.truth(&truth);

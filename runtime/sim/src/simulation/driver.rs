@@ -4,6 +4,7 @@ use backseat_core::plugin::RequestState;
 use backseat_core::{Input, Note, Operator, Output};
 
 use crate::digest::Direction;
+use crate::report::{FirstFailure, Published};
 use crate::simulation::process::Process;
 use crate::simulation::{SimError, Simulation};
 
@@ -113,10 +114,24 @@ impl Simulation {
             self.tell_oracle(act);
             self.keep(act);
         }
-        if let Note::PluginFailed { plugin, .. } = note
+        if let Note::PluginFailed { plugin, fault, .. } = note
             && let Some(name) = self.names.get(plugin.0)
         {
+            let at_s = self.now.as_secs_f64();
+            self.first_failures.entry(name.clone()).or_insert_with(|| FirstFailure {
+                at_s,
+                text: fault.text.clone(),
+            });
             *self.plugin_failures.entry(name.clone()).or_default() += 1;
+        }
+        if let Note::PluginMeasure { plugin, measure } = note
+            && let Some(name) = self.names.get(plugin.0)
+        {
+            let published = Published {
+                value: measure.value,
+                unit: measure.unit.clone(),
+            };
+            self.published.insert(format!("{name}.{}", measure.name), published);
         }
         if let Note::Request(transition) = note
             && let RequestState::Rejected(refusal) = &transition.state

@@ -10,7 +10,7 @@ use backseat_plugin_loader::Loaded;
 use backseat_units::Utc;
 
 use crate::simulation::process::{Answer, Process, Successor};
-use crate::simulation::{SimError, Simulation, add};
+use crate::simulation::{SimError, Simulation};
 
 /// How many bytes a connection holds for a process that does not read. With more than that, the vehicle gives the
 /// connection up.
@@ -55,7 +55,7 @@ impl Simulation {
         self.lose_client();
         self.oracle.runtime_stopped(self.now);
         if let Some(process) = self.process.take() {
-            add(&mut self.counts_before, process.core.request_counts());
+            self.counts_before += process.core.request_counts().of_ended_process();
             // An act of the operator that it has not handled is lost with it.
             if process.stopped.is_some_and(|stopped| !stopped.acts.is_empty()) {
                 self.oracle.operator(self.now, self.disk.held);

@@ -90,6 +90,8 @@ impl Sonar {
         self.setup.clear();
         self.settings.clear();
         self.rejected.clear();
+        self.starting.clear();
+        self.not_subscribed = false;
         self.timers.stop(Timer::Health);
         if let Some((job, step, heard)) = self.take_exchange() {
             self.job_lost(job, &step, heard);
@@ -111,6 +113,7 @@ impl Sonar {
         self.attempts = self.attempts.saturating_add(1);
         self.timers.set(Timer::Connect, self.now + pause);
         self.tell(Event::Disconnected {
+            address: format!("{}:{}", self.config.host, self.config.port).into_boxed_str(),
             why,
             retry_s: Some(pause.as_secs_f64()),
         });

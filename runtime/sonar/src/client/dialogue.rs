@@ -1,7 +1,7 @@
 //! What is said to the controller, and what becomes of it.
 
 use backseat_s7k::Time7k;
-use backseat_s7k::plc::{CalendarTime, Command, CommandId, Order as Text};
+use backseat_s7k::plc::{Alarm, CalendarTime, Command, CommandId, Order as Text};
 
 use super::{Link, Sonar};
 use crate::event::Event;
@@ -14,6 +14,9 @@ use crate::timer::Timer;
 /// How often a setting of the mission is sent on a connection until the sensor takes it: with the usual health check,
 /// for ten minutes.
 const SETTING_ATTEMPTS: u32 = 60;
+/// A sensor that rejects a setting for longer than this after its first rejection has started, and does not like the
+/// value.
+const STARTS_WITHIN_S: f64 = 10.0;
 
 impl Sonar {
     /// Says the next thing, if nothing is under way.
@@ -199,22 +202,44 @@ impl Sonar {
         }
     }
 
+    /// Whether a sensor that has rejected a setting so often before may still be starting.
+    fn may_be_starting(&self, rejected: u32) -> bool {
+        f64::from(rejected) * self.config.health_period_s < STARTS_WITHIN_S
+    }
+
+    /// Whether this alarm only says that a sensor which is starting has rejected a setting of the mission.
+    pub(super) fn is_of_start(&self, alarm: &Alarm) -> bool {
+        let Alarm::SensorCommandFailed { sensor, .. } = alarm else {
+            return false;
+        };
+        let mut unset = self.settings.iter().chain(&self.rejected);
+        let current = self.exchanges.current().map(|current| &current.job.origin);
+        let is_new = |unset: &Unset, before: u32| unset.sensor == *sensor && self.may_be_starting(before);
+        matches!(current, Some(Origin::Setting(unset)) if is_new(unset, unset.rejected))
+            || unset.any(|unset| unset.rejected > 0 && is_new(unset, unset.rejected - 1))
+    }
+
     /// A sensor rejects its settings until it has started, so they are tried again.
     fn setting_ended(&mut self, unset: Unset, end: Option<End>) {
         let Some(end) = end.filter(|end| !matches!(end, End::Accepted | End::Unconfirmed)) else {
             return;
         };
         let again = end == End::Rejected && unset.rejected + 1 < SETTING_ATTEMPTS;
-        if unset.rejected == 0 || !again {
-            let then = if again {
-                "; it is tried again with each health check"
-            } else {
-                "; it is not tried again"
-            };
-            self.tell(Event::CommandFailed {
-                command: CommandId::Generic,
+        if again && self.may_be_starting(unset.rejected) {
+            if self.starting.insert(unset.sensor.0) {
+                let again_s = self.config.health_period_s;
+                let sensor = unset.sensor;
+                self.tell(Event::SensorStarting { sensor, again_s });
+            }
+        } else if !again || self.may_be_starting(unset.rejected - 1) {
+            let mut setting = String::new();
+            // What cannot be written has no name here, and `why` says so.
+            let _unwritable = unset.setting.write(&mut setting);
+            self.tell(Event::SettingFailed {
                 sensor: unset.sensor,
-                why: format!("{}{then}", end.words()).into_boxed_str(),
+                setting: setting.into_boxed_str(),
+                why: Box::from(end.words()),
+                again,
             });
         }
         if again {

@@ -128,6 +128,9 @@ impl Sonar {
                 None
             }
         };
+        if alarm.as_ref().is_some_and(|alarm| self.is_of_start(alarm)) {
+            return;
+        }
         let state = AlarmState::new(id, message.header.mode, alarm, &text);
         match self.alarms.take(self.now, state) {
             Change::None => {}

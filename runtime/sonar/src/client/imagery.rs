@@ -19,12 +19,26 @@ const SWATH_EVERY: Duration = Duration::from_secs(1);
 const BOTTOM_LOCK_NANOS: u64 = 2_000_000_000;
 
 impl Sonar {
+    fn report_not_subscribed(&mut self, device: u32, record_type: u32) {
+        if core::mem::replace(&mut self.not_subscribed, true) {
+            return;
+        }
+        let sensors = self.config.sensor.iter();
+        let expected = sensors.map(|sensor| (sensor.device, sensor.records.clone())).collect();
+        self.report(Event::NotSubscribed {
+            device,
+            record_type,
+            expected,
+        });
+    }
+
     pub(super) fn imagery(&mut self, frame: &Frame<'_>, imagery: &Imagery<'_>, sub_bottom: bool) {
         let header = frame.header();
         let sensor = self.config.sensor_of(header.device.0);
         let subscribed = sensor.filter(|sensor| sensor.records.contains(&header.record_type));
         let Some(sensor) = subscribed.map(|sensor| sensor.index) else {
             self.counts.unsubscribed += 1;
+            self.report_not_subscribed(header.device.0, header.record_type);
             return;
         };
         let expected = match self.config.header_layout {

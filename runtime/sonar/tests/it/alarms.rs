@@ -1,12 +1,12 @@
 //! Alarms: active, clear, known, unknown, malformed, and too many.
 
-use backseat_s7k::plc::{Alarm, FailureCause};
+use backseat_s7k::plc::{Alarm, CommandId, FailureCause};
 use backseat_s7k::record::{AlarmMode, MessageType};
 use backseat_s7k::{SensorIndex, Time7k};
 use backseat_sonar::{ALARMS_MAX, AlarmState, Condition, Event};
 
-use crate::controller::{alarm, message};
-use crate::trial::Trial;
+use crate::controller::{Answer, alarm, message};
+use crate::trial::{Trial, config};
 
 fn alarms(trial: &Trial) -> Vec<AlarmState> {
     let alarm = |event: &Event| match event {
@@ -54,6 +54,29 @@ fn an_alarm_is_typed_and_has_its_state() {
     assert_eq!(alarms(&trial).len(), 2);
     assert_eq!(alarms(&trial)[1].mode, AlarmMode::Clear);
     assert_eq!(trial.sonar.conditions().count(), 0);
+}
+
+#[test]
+fn a_sensor_that_is_starting_raises_no_alarm_for_its_settings() {
+    let mut settings = config();
+    settings.sensor[0].range_m = Some(75.0);
+    let mut trial = Trial::with(settings, Vec::new());
+    trial.controller.answer(CommandId::Generic, [Answer::Rejected; 2]);
+    let failed = |sensor| Alarm::SensorCommandFailed {
+        sensor: SensorIndex(sensor),
+        client: 0,
+        description: Box::from("Range = 75.00: the sensor has not started"),
+    };
+    trial.run_s(5.0);
+    trial.send(alarm(AlarmMode::Unspecified, &failed(0)));
+    trial.send(alarm(AlarmMode::Unspecified, &failed(1)));
+    trial.run_s(1.0);
+    let of: Vec<_> = alarms(&trial).iter().map(|alarm| alarm.sensor).collect();
+    assert_eq!(of, [Some(SensorIndex(1))], "sensor 1 has no setting that waits");
+    trial.run_s(5.0);
+    trial.send(alarm(AlarmMode::Unspecified, &failed(0)));
+    trial.run_s(1.0);
+    assert_eq!(alarms(&trial).len(), 2, "a sensor does not start for so long");
 }
 
 #[test]

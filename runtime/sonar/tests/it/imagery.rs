@@ -135,6 +135,24 @@ fn swaths(trial: &Trial) -> Vec<Swath> {
 }
 
 #[test]
+fn imagery_that_nobody_wants_is_named_once_with_what_was_expected() {
+    let mut trial = Trial::ready();
+    for device in [11_002, 11_002, 11_003] {
+        let ping = Ping {
+            device,
+            ..Ping::default()
+        };
+        send(&mut trial, &ping);
+    }
+    let told = trial.log();
+    let told = told.iter().filter(|line| line.contains("not used: records"));
+    assert_eq!(
+        told.collect::<Vec<_>>(),
+        ["not used: records 3000 of device 11002; expected 3000 of device 11001, 3001 of device 11000"]
+    );
+}
+
+#[test]
 fn each_grant_gets_the_ping_at_its_own_resolution() {
     let mut trial = ready(vec![grant(10, Decimation::Maximum), grant(4, Decimation::Mean)]);
     let mut ping = Ping {

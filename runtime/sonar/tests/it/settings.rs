@@ -65,6 +65,7 @@ fn every_key_is_read() {
 #[test]
 fn an_unknown_key_is_refused() {
     let error = |text: &str| toml::from_str::<SonarConfig>(text).unwrap_err().to_string();
+    assert!(error("port = 70000").contains("invalid value: integer `70000`, expected 1 to 65535"));
     assert!(error("prot = 7000").contains("unknown field `prot`"));
     assert!(error("[[sensor]]\nindex = 0\ndevice = 1\nrecords = [1]\nname = \"x\"").contains("unknown field `name`"));
     assert!(error("logging = { file_size = 1, overlap = 1, folder = \"x\" }").contains("unknown field `folder`"));

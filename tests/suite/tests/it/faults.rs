@@ -158,6 +158,7 @@ faults! { STEERS isobath_steers:
     a_plugin_that_sends_a_huge_string "huge_string" "TooMuch";
     a_plugin_with_a_huge_snapshot "big_snapshot";
     a_plugin_that_floods_the_log "log_flood";
+    a_plugin_that_publishes_without_end "publish_flood";
     a_plugin_that_asks_for_what_is_no_number "nan";
     a_plugin_that_asks_for_the_infinite "infinite";
     a_plugin_that_asks_for_huge_figures "huge";
@@ -239,8 +240,8 @@ fn rejections(log: &Log) -> Vec<String> {
 #[test]
 fn figures_that_make_no_sense_are_rejected_by_name() {
     for (fault, word) in [
-        ("nan", "not a finite number"),
-        ("infinite", "not a finite number"),
+        ("nan", "is NaN"),
+        ("infinite", "is infinite"),
         ("latitude_91", "latitude is 91"),
     ] {
         // Alone, so that no other plugin has priority.

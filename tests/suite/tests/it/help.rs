@@ -7,7 +7,9 @@ use backseat_test_support::workspace;
 fn help_names_every_command_and_what_it_does() {
     let help = Backseat::new().arg("--help").run().exit(0);
     assert_eq!(help.stderr, "");
-    for command in ["sim", "run", "mvc", "plc", "check", "log", "spi", "s7k", "explain"] {
+    for command in [
+        "sim", "run", "fly", "mvc", "plc", "check", "log", "spi", "s7k", "explain",
+    ] {
         assert!(
             help.stdout.lines().any(|line| line.trim_start().starts_with(command)),
             "{command}: {help}"
@@ -22,9 +24,33 @@ fn every_command_explains_its_flags() {
     for (command, flags) in [
         (
             "sim",
-            ["--seed", "--faults", "--log", "--map", "--speed", "--json", "--plugins"].as_slice(),
+            [
+                "--seed",
+                "--faults",
+                "--log",
+                "--map",
+                "--open",
+                "--speed",
+                "--json",
+                "--plugins",
+            ]
+            .as_slice(),
         ),
         ("run", &["--connect", "--arm", "--log", "--state", "--first-identifier"]),
+        (
+            "fly",
+            &[
+                "--speed",
+                "--profile",
+                "--faults",
+                "--seed",
+                "--log",
+                "--map",
+                "--open",
+                "--state",
+                "--duration",
+            ],
+        ),
         (
             "mvc",
             &[

@@ -66,6 +66,8 @@ fn fenced(log: &Log, path: PathBuf, fence: &str, mut change: impl FnMut(&Line<'_
         seed: log.run.seed,
         resolved_mission: text("mission.toml"),
         fence,
+        origin: log.run.origin,
+        world: None,
         components: &[],
         version: &log.run.version,
     };
@@ -161,6 +163,28 @@ fn several_logs_are_judged_and_shown_with_the_worst_exit_code() {
         let finished = run(&[&bad, &good]).exit(2);
         assert!(finished.stdout.contains("flown.mcap: steady"), "{finished}");
         assert!(finished.stderr.contains("bad.mcap"), "{finished}");
+    }
+}
+
+#[test]
+fn a_log_of_the_first_format_is_refused_in_one_line() {
+    let mission = Mission::steady();
+    drop(flown(&mission));
+    let path = mission.beside("flown.mcap");
+    let mut bytes = std::fs::read(&path).unwrap();
+    let format = b"\x06\0\0\0format\x01\0\0\0";
+    let at = bytes.windows(format.len()).position(|window| window == format).unwrap() + format.len();
+    bytes[at] = b'1';
+    std::fs::write(&path, bytes).unwrap();
+    for command in ["info", "show", "judge"] {
+        let line = Backseat::new().args(["log", command]).arg(&path).run().refusal();
+        assert_eq!(
+            line,
+            format!(
+                "error: log {} has format \"1\", and this version reads format 2 only",
+                path.display()
+            )
+        );
     }
 }
 

@@ -658,3 +658,38 @@ fn a_world_beyond_the_limits_is_a_warning() {
     let flown = Backseat::new().args(["sim", "--set", limits[0]]).mission(&rough).run();
     has(&flown.stderr, &["WARN", "world: current up to 0.20 m/s"]);
 }
+
+#[test]
+fn a_world_in_which_plugins_can_do_nothing_is_a_warning() {
+    let never = Mission::steady().edit("world.toml", "dynamic = true\n", "");
+    has(
+        &ready(&never, &[]),
+        &["warning: world: no [[plan]] has dynamic = true", "never gives control"],
+    );
+    let always = never.edit("world.toml", "[mission]", "[mission]\ncontrol = \"mission\"");
+    assert!(!ready(&always, &[]).contains("never gives control"));
+
+    let text = std::fs::read_to_string(Mission::steady().path().join("fence.geojson")).expect("it has a fence");
+    let mut fence: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    swap(&mut fence);
+    let swapped = Mission::steady();
+    std::fs::write(swapped.path().join("fence.geojson"), fence.to_string()).expect("it can be written");
+    let line = Backseat::new().arg("check").mission(&swapped).run().exit(1);
+    has(
+        &line.stdout,
+        &["warning: world: [origin]", "latitude and longitude are swapped"],
+    );
+}
+
+/// Swaps the two numbers of each position.
+fn swap(value: &mut serde_json::Value) {
+    if let Some(items) = value.as_array_mut() {
+        if items.len() == 2 && items.iter().all(serde_json::Value::is_number) {
+            items.swap(0, 1);
+        } else {
+            items.iter_mut().for_each(swap);
+        }
+    } else if let Some(object) = value.as_object_mut() {
+        object.values_mut().for_each(swap);
+    }
+}

@@ -5,6 +5,7 @@ mod clocks;
 mod connect;
 mod disk;
 mod external;
+mod fly;
 mod heard;
 mod identifiers;
 mod judge;

@@ -21,11 +21,21 @@ fn names(line: &str, parts: &[&str]) {
 #[test]
 fn an_unknown_key_is_named_with_its_line_in_each_file() {
     let line = refusal(&Mission::steady().edit("mission.toml", "turn_rate_dps", "turn_rate"));
-    names(&line, &["mission.toml:9", "unknown field `turn_rate`", "expected"]);
+    names(
+        &line,
+        &[
+            "mission.toml:9",
+            "unknown field `turn_rate`: did you mean `turn_rate_dps`?",
+        ],
+    );
     let line = refusal(&Mission::steady().edit("world.toml", "heading_deg = 90", "bearing_deg = 90"));
     names(
         &line,
-        &["world.toml", "line 9", "unknown field `bearing_deg`", "expected"],
+        &[
+            "world.toml",
+            "line 9",
+            "unknown field `bearing_deg`: did you mean `heading_deg`?",
+        ],
     );
     let line = refusal(&Mission::steady().edit("fence.geojson", "\"margin_m\"", "\"margin\""));
     names(&line, &["fence.geojson", "margin", "expected"]);
@@ -119,7 +129,10 @@ fn what_is_no_plugin_is_refused_by_what_it_is() {
 #[test]
 fn a_plugin_refuses_its_own_configuration() {
     let line = refusal(&Mission::steady().edit("mission.toml", "heading_deg = 90.0", "heading = 90.0"));
-    names(&line, &["pilot", "unknown field `heading`", "expected"]);
+    names(
+        &line,
+        &["pilot", "unknown field `heading`: did you mean `heading_deg`?"],
+    );
     let line = refusal(&Mission::copy("isobath").edit("mission.toml", "contour_m = 30.0", "contour_m = -30.0"));
     names(&line, &["isobath", "contour_m"]);
 }

@@ -87,7 +87,13 @@ fn dump_and_cut_take_types_devices_and_times() {
         .exit(0);
     assert!(cut.stdout.is_empty() && cut.stderr.starts_with("12 records, "), "{cut}");
     let verified = s7k("verify", &out).run().exit(0);
-    assert_eq!(verified.stderr, "14 records: nothing wrong\n");
+    // The selection has left the navigation out.
+    assert!(
+        verified
+            .stderr
+            .starts_with("14 records: nothing wrong; warning: the pings have no navigation"),
+        "{verified}"
+    );
     let wrong = s7k("dump", &dive.whole).args(["--from", "yesterday"]).run().exit(2);
     assert!(
         wrong
@@ -176,4 +182,120 @@ fn what_cannot_be_used_is_one_line_that_says_what_to_do() {
     }
     // Nothing is left of what was not finished.
     assert!(!out.exists() && !dive.mission.beside("out.part").exists());
+}
+
+/// An output that is the input, by whatever name, would destroy the recording.
+#[test]
+fn an_output_is_never_the_recording_that_is_read() {
+    let dive = Dive::new();
+    let before = std::fs::read(&dive.whole).unwrap();
+    let (soft, hard, dotted) = (
+        dive.mission.beside("soft.s7k"),
+        dive.mission.beside("hard.s7k"),
+        dive.whole.parent().unwrap().join("./dive.s7k"),
+    );
+    std::os::unix::fs::symlink(&dive.whole, &soft).unwrap();
+    std::fs::hard_link(&dive.whole, &hard).unwrap();
+    for out in [&dive.whole, &soft, &hard, &dotted] {
+        let cut = s7k("cut", &dive.whole).arg("--out").arg(out).run().exit(2);
+        let export = s7k("export", &dive.whole)
+            .args(["--to", "csv", "--out"])
+            .arg(out)
+            .run()
+            .exit(2);
+        for refused in [cut, export] {
+            assert!(
+                refused
+                    .stderr
+                    .ends_with("is the recording that is read: choose another name with --out\n"),
+                "{refused}"
+            );
+            assert_eq!(refused.stderr.lines().count(), 1, "{refused}");
+        }
+    }
+    // The name that the output has until it is whole is a file too.
+    let part = dive.mission.beside("x.s7k.part");
+    std::fs::rename(&hard, &part).unwrap();
+    let out = dive.mission.beside("x.s7k");
+    let refused = s7k("cut", &part).arg("--out").arg(out).run().exit(2);
+    assert!(refused.stderr.contains("is the recording that is read"), "{refused}");
+    assert!(std::fs::read(&dive.whole).unwrap() == before && part.is_file());
+}
+
+#[test]
+fn several_files_of_one_recording_are_one() {
+    let dive = Dive::new();
+    let (first, second) = (dive.mission.beside("a.s7k"), dive.mission.beside("b.s7k"));
+    let middle = "2026-11-23T14:00:30";
+    for (out, limits) in [(&first, ["--until", middle]), (&second, ["--from", middle])] {
+        let _done = s7k("cut", &dive.whole).args(limits).arg("--out").arg(out).run().exit(0);
+    }
+    let (joined, whole) = (dive.mission.beside("joined"), dive.mission.beside("whole"));
+    for format in ["csv", "png", "geotiff", "segy", "xtf"] {
+        let device = match format {
+            "csv" => "11100",
+            "segy" => "11000",
+            _ => "11001",
+        };
+        let selected = ["--to", format, "--device", device, "--out"];
+        // In any order.
+        let of_two = s7k("export", &second)
+            .arg(&first)
+            .args(selected)
+            .arg(&joined)
+            .run()
+            .exit(0);
+        let of_one = s7k("export", &dive.whole).args(selected).arg(&whole).run().exit(0);
+        assert_eq!(of_two.stderr, of_one.stderr, "{format}");
+        if ["png", "geotiff"].contains(&format) {
+            assert!(
+                std::fs::read(&joined).unwrap() == std::fs::read(&whole).unwrap(),
+                "{format}"
+            );
+        }
+    }
+    let done = s7k("cut", &second).arg(&first).arg("--out").arg(&joined).run().exit(0);
+    assert!(done.stderr.starts_with("888 records, "), "{done}");
+    let twice = s7k("cut", &first).arg(&first).arg("--out").arg(&joined).run().exit(2);
+    assert!(twice.stderr.ends_with("a.s7k: is given twice\n"), "{twice}");
+}
+
+#[test]
+fn an_export_of_nothing_says_what_there_is_and_one_of_a_damaged_file_what_it_left_out() {
+    let dive = Dive::new();
+    let out = dive.mission.beside("out");
+    for (format, device) in [
+        ("segy", "11000"),
+        ("png", "11002"),
+        ("geotiff", "11001"),
+        ("csv", "11100"),
+        ("xtf", "11001"),
+    ] {
+        let late = s7k("export", &dive.whole)
+            .args(["--to", format, "--from", "2030-01-01T00:00", "--out"])
+            .arg(&out)
+            .run()
+            .exit(2);
+        assert!(
+            late.stderr.contains(" matches: there is device ")
+                && late.stderr.contains(device)
+                && late.stderr.contains(", from 2026-11-23T14:00:0"),
+            "{late}"
+        );
+        let damaged = s7k("export", &dive.damaged)
+            .args(["--to", format, "--device", device, "--out"])
+            .arg(&out)
+            .run()
+            .exit(0);
+        assert!(
+            damaged.stderr.contains("bytes that are not a record, in 3 places"),
+            "{damaged}"
+        );
+    }
+    let mixed = s7k("export", &dive.whole)
+        .args(["--from", "2026-11-23T14:00:10", "--to", "2026-11-23T14:00:12", "--out"])
+        .arg(&out)
+        .run()
+        .exit(2);
+    assert!(mixed.stderr.contains("use --until"), "{mixed}");
 }

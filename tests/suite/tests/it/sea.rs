@@ -63,7 +63,7 @@ fn a_check_for_sea_judges_the_missions_plan_or_a_files() {
             .write("plan.toml", plan(100));
         let said = check(&named, &[]).exit(0).stdout;
         assert!(
-            said.contains("plan: its first position, all 1 behaviors and the paths between them lie inside the fence"),
+            said.contains("plan: its first position, its behavior and the path to it lie inside the fence"),
             "{said}"
         );
         let outside = named.write("plan.toml", plan(900));
@@ -101,9 +101,11 @@ fn log_info_tells_what_a_log_is_of() {
             (&"steady".into(), &7.into()),
             "{told}"
         );
+        assert!(told["origin"]["latitude_deg"].is_f64(), "{told}");
         assert_eq!(told["utc_at_start"], "2026-06-01T08:00:00Z", "{told}");
         assert_eq!((&told["complete"], &told["gaps"]), (&true.into(), &0.into()), "{told}");
         assert!(told["bytes_to_vehicle"].as_u64() > Some(100), "{told}");
+        assert_eq!(told["attached"][2], "world.toml", "{told}");
     }
     let text = Backseat::new().args(["log", "info"]).arg(&log).run().exit(0);
     assert!(text.stdout.contains("attached: mission.toml, "), "{text}");

@@ -60,7 +60,18 @@ fn the_json_report_has_every_key_that_is_promised() {
             "{key} is missing: {report}"
         );
     }
-    for key in ["proposed", "rejected", "sent", "accepted", "failed"] {
+    for key in [
+        "proposed",
+        "rejected",
+        "replaced",
+        "withdrawn",
+        "waiting",
+        "sent",
+        "accepted",
+        "failed",
+        "unanswered",
+        "undecided",
+    ] {
         assert!(report["requests"][key].is_u64(), "requests.{key} is missing: {report}");
     }
     assert_eq!((&report["mission"], &report["seed"]), (&"steady".into(), &3.into()));
@@ -79,6 +90,79 @@ fn without_json_the_report_is_for_people() {
     assert!(
         report.stdout.contains("no violation") && report.stdout.contains("digest "),
         "{report}"
+    );
+}
+
+#[test]
+fn what_a_plugin_publishes_is_reported_and_judged() {
+    let mission = Mission::copy("isobath").append(
+        "world.toml",
+        "[[expect.measure]]\nname = \"isobath.slope\"\nat_least = 0.1\nat_most = 0.2\n\n\
+         [[expect.measure]]\nname = \"contour_rms_m\"\nat_most = 100\n\n\
+         [[expect.measure]]\nname = \"isobath.salinity\"\n",
+    );
+    let report = Backseat::new()
+        .args(["sim", "--json"])
+        .mission(&mission)
+        .run()
+        .exit(1)
+        .json();
+    let slope = &report["published"]["isobath.slope"];
+    assert_eq!(slope["unit"], "%");
+    let percent = slope["value"].as_f64().unwrap();
+    assert!(percent > 0.2, "{report}");
+    assert_eq!(
+        report["unmet"],
+        serde_json::json!([
+            format!("isobath.slope is {percent:.3} %, expected at most 0.2 %"),
+            "isobath.salinity was not measured"
+        ])
+    );
+    let backward = Mission::copy("isobath").append(
+        "world.toml",
+        "[[expect.measure]]\nname = \"isobath.slope\"\nat_least = 2\nat_most = 1\n",
+    );
+    let refused = Backseat::new().args(["sim"]).mission(&backward).run().exit(2);
+    assert!(
+        refused
+            .stderr
+            .contains("expect.measure.at_most is 1, expected at_least or more"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn the_report_says_when_there_was_control_and_how_a_plugin_failed_first() {
+    let mission = Mission::steady();
+    let report = Backseat::new()
+        .args(["sim", "--json"])
+        .mission(&mission)
+        .run()
+        .exit(0)
+        .json();
+    let windows = report["control"]["windows"].as_array().unwrap();
+    let (from, until) = (&windows[0]["from_s"], &windows[windows.len() - 1]["until_s"]);
+    let text = fly(&mission, &[]).exit(0).stdout;
+    let line = text.lines().find(|line| line.trim().starts_with("control: ")).unwrap();
+    assert!(
+        line.contains(&format!("{from}-")) && line.contains(&format!("-{until} s")),
+        "{line}"
+    );
+    // A plan that lets nobody in.
+    let closed = Mission::steady().edit("world.toml", "dynamic = true", "dynamic = false");
+    let report = fly(&closed, &[]);
+    assert!(
+        report
+            .stdout
+            .contains("control: never; without it: the vehicle has control ("),
+        "{report}"
+    );
+    let failing = Mission::steady().edit("mission.toml", "fault = \"none\"", "fault = \"error\"");
+    let report = fly(&failing, &[]);
+    let line = report.stdout.lines().find(|line| line.contains(" failed ")).unwrap();
+    assert!(
+        line.contains(" times, first at ") && line.ends_with(" s: faulty was told to fail"),
+        "{line}"
     );
 }
 
@@ -232,4 +316,43 @@ fn a_plugin_finds_objects_in_the_imagery_of_the_simulated_sonar() {
     assert!(measure("contacts_found") >= 4.0, "{report}");
     assert!(measure("contacts_false") <= 2.0, "{report}");
     assert!(measure("contacts_aspects") >= 4.0, "{report}");
+}
+
+/// A folder with a program `xdg-open` and nothing else.
+fn viewer(script: &str) -> tempfile::TempDir {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    let path = folder.path().join("xdg-open");
+    std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).expect("the folder is ours");
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).expect("the file is ours");
+    folder
+}
+
+#[test]
+fn a_map_is_opened_when_it_is_drawn_and_a_viewer_that_fails_is_no_error() {
+    let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
+    let (map, opened) = (mission.beside("run.svg"), mission.beside("opened"));
+    let fly = |script: &str| {
+        let viewer = viewer(script);
+        Backseat::new()
+            .args(["sim", "--open", "--map"])
+            .arg(&map)
+            .mission(&mission)
+            .env("PATH", viewer.path())
+            .run()
+            .exit(0)
+    };
+    let shown = fly(&format!(
+        "read -r first < \"$1\"; echo \"$1 $first\" > {}",
+        opened.display()
+    ));
+    let told = std::fs::read_to_string(&opened).unwrap_or_else(|error| panic!("{error}: {shown}"));
+    assert!(told.starts_with(&format!("{} <svg", map.display())), "{told}");
+    let failed = fly("exit 3");
+    assert!(
+        failed.stderr.contains("WARN") && failed.stderr.contains("cannot be opened"),
+        "{failed}"
+    );
+    let alone = Backseat::new().args(["sim", "--open"]).mission(&mission).run().exit(2);
+    assert!(alone.stderr.contains("--map"), "{alone}");
 }

@@ -198,4 +198,114 @@ fn sim_keeps_the_recording_of_the_survey() {
     let info = info.json();
     assert_eq!(info["catalogue"]["state"], "matches", "{info}");
     assert!(info["records"].as_u64() > Some(1000), "{info}");
+    // Another run would have files of the same names: it is refused, and the first one stays.
+    let again = Backseat::new().args(["sim", "--s7k"]).arg(&folder).mission(&mission);
+    let refused = again.run().exit(2);
+    assert!(
+        refused.stderr.contains("the folder has recordings of another run (")
+            && refused.stderr.contains("empty folder"),
+        "{refused}"
+    );
+    let _still = Backseat::new().args(["s7k", "verify"]).arg(file).run().exit(0);
+}
+
+#[test]
+fn a_recording_that_cannot_be_written_fails_the_run() {
+    let mission = with_sonar().edit("world.toml", "[plc]", "[plc]\nauto_start = true");
+    let folder = mission.beside("recordings");
+    // Files grow to 64 KiB here, and the recording is longer.
+    let run = Backseat::new().args(["sim", "--s7k"]).arg(&folder).mission(&mission);
+    let run = run.file_max_kib(64).run().exit(1);
+    assert!(run.stderr.contains("the recording is not whole: "), "{run}");
+}
+
+#[test]
+fn a_folder_for_recordings_needs_a_controller_and_must_be_a_folder() {
+    let none = Mission::steady();
+    let folder = none.beside("recordings");
+    let run = Backseat::new()
+        .args(["sim", "--s7k"])
+        .arg(&folder)
+        .mission(&none)
+        .run()
+        .exit(2);
+    assert!(
+        run.stderr.contains("has no [plc]") && run.stderr.contains("add [plc]"),
+        "{run}"
+    );
+    assert!(!folder.exists());
+    let mission = with_sonar();
+    let file = mission.path().join("world.toml");
+    for arguments in [["sim", "--s7k"], ["plc", "--folder"]] {
+        let run = Backseat::new()
+            .args(arguments)
+            .arg(&file)
+            .mission(&mission)
+            .run()
+            .exit(2);
+        assert!(run.stderr.contains("world.toml: is not a folder"), "{run}");
+    }
+    let run = Backseat::new()
+        .args(["plc", "--listen", "17999"])
+        .mission(&mission)
+        .run()
+        .exit(2);
+    assert!(run.stderr.contains("--listen 17999: expected ADDRESS:PORT"), "{run}");
+    let run = Backseat::new()
+        .args(["check", "--set", "sonar.port=70000"])
+        .mission(&mission)
+        .run()
+        .exit(2);
+    assert!(run.stderr.contains("expected 1 to 65535"), "{run}");
+}
+
+/// What the controller would reject at sea, or never send, without a word to the plugin.
+#[test]
+fn check_and_sim_compare_the_settings_with_the_controller() {
+    let wrong = with_sonar()
+        .edit(
+            "mission.toml",
+            "period_ms = 200",
+            "period_ms = 5\nrange_m = 600\npulse = \"CW\"\ngain = 61",
+        )
+        .edit(
+            "mission.toml",
+            "device = 11001\nrecords = [3000]",
+            "device = 11002\nrecords = [3000, 3001]",
+        )
+        .append(
+            "mission.toml",
+            "\n[[sonar.sensor]]\nindex = 7\ndevice = 11000\nrecords = [3001]\n",
+        );
+    let checked = Backseat::new().arg("check").mission(&wrong).run();
+    for line in [
+        "sensor 1: device is 11002, and sensor 1 of [plc] in world.toml is sidescan, low frequency, device 11001",
+        "sensor 1: records is 3001, and sidescan, low frequency sends 3000",
+        "sensor 1: range_m is 600, and the sonar of world.toml takes 10 to 500 m",
+        "sensor 1: pulse is \"CW\", and the sonar of world.toml has \"FM 110-130 kHz 8 ms\"",
+        "sensor 1: gain is 61, and the sonar of world.toml takes 0 to 60",
+        "sensor 1: period_ms is 5, and the sonar of world.toml takes 10 to 60000 ms",
+        "sensor.index is 7, and the run list of [plc] in world.toml has 4 sensors, counted from 0",
+    ] {
+        assert!(
+            checked.stdout.contains(&format!("warning: sonar: {line}")),
+            "{line}: {checked}"
+        );
+    }
+    let right = Backseat::new().arg("check").mission(&with_sonar()).run();
+    assert!(!right.stdout.contains("warning: sonar"), "{right}");
+    let flown = Backseat::new().arg("sim").mission(&wrong).run();
+    assert!(flown.stderr.contains("range_m is 600"), "{flown}");
+    let deaf = Mission::copy("reinspect").edit(
+        "mission.toml",
+        "[[plugin.ping]]\nsensor = 0\nsamples = 1000\ndecimation = \"mean\"",
+        "",
+    );
+    let checked = Backseat::new().arg("check").mission(&deaf).run();
+    assert!(
+        checked
+            .stdout
+            .contains("warning: plugin reinspect: listens to the sidescan, and gets no ping"),
+        "{checked}"
+    );
 }

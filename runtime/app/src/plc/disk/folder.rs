@@ -27,6 +27,9 @@ impl Folder {
     /// In one line, if the folder cannot be written or another process uses it.
     pub(crate) fn open(path: &Path, logs: &str) -> Result<Self> {
         let cannot = || format!("{}: the payload controller cannot keep its files here", path.display());
+        if fs::metadata(path).is_ok_and(|kind| !kind.is_dir()) {
+            bail!("{}: is not a folder", path.display());
+        }
         fs::create_dir_all(path).with_context(cannot)?;
         let locked = path.join(LOCK);
         let lock = File::create(&locked).with_context(cannot)?;

@@ -17,8 +17,6 @@ pub struct TailconeConfig {
     pub speed_error: f64,
     /// Noise of the angles, degrees, 0 to 90.
     pub angle_noise_deg: f64,
-    /// The greatest angle of rudder and elevator, degrees, 1 to 90. The default is a usual stop of small torpedoes.
-    pub angle_max_deg: f64,
     /// The time from one BFRVL, and from one BFERC, to the next, seconds, 0.01 to 3600.
     pub period_s: f64,
 }
@@ -30,7 +28,6 @@ impl Default for TailconeConfig {
             speed_table: true,
             speed_error: 0.03,
             angle_noise_deg: 0.05,
-            angle_max_deg: 15.0,
             period_s: 0.2,
         }
     }
@@ -47,8 +44,6 @@ impl TailconeConfig {
             0.0..=90.0,
             angle,
         )?;
-        let angle = "1 to 90 degrees";
-        within("sensors.tailcone.angle_max_deg", self.angle_max_deg, 1.0..=90.0, angle)?;
         let period = "0.01 to 3600 s";
         within("sensors.tailcone.period_s", self.period_s, 0.01..=3600.0, period)
     }

@@ -6,8 +6,6 @@ use crate::file::HoveringConfig;
 use crate::vehicle::Vehicle;
 use crate::vehicle::ship::Ship;
 
-/// The greatest angle from the hull's normal at which the range can be measured, degrees.
-const ASKEW_MAX_DEG: f64 = 60.0;
 const SECONDS_PER_H: f64 = 3600.0;
 
 /// Relative navigation: dead reckoning from a reference point, with x towards the target and y to the right of it. It
@@ -17,8 +15,6 @@ const SECONDS_PER_H: f64 = 3600.0;
 /// vehicle started, and x points where the vehicle pointed. Both bearings count clockwise, the relative one from x.
 #[derive(Clone, Debug)]
 pub(crate) struct Relative {
-    ship: Option<Ship>,
-    range_max_m: f64,
     origin: EastNorth,
     x_axis_deg: f64,
     sin: f64,
@@ -52,8 +48,6 @@ impl Relative {
         let (sin, cos) = sin_cos(x_axis_deg.to_radians());
         let steps = SECONDS_PER_H.sqrt();
         let mut relative = Self {
-            ship,
-            range_max_m: config.range_max_m,
             origin,
             x_axis_deg,
             sin,
@@ -121,17 +115,9 @@ impl Relative {
         wrap_360(vehicle.motion().heading_deg - self.zero_deg + self.inertial_error_deg)
     }
 
-    /// Distance from the target, metres. It is measured if the DVL faces the inspected side (`turned_to_it`) and has it
-    /// in sight, otherwise it comes from dead reckoning.
-    pub(crate) fn distance_m(&self, vehicle: &Vehicle, turned_to_it: bool) -> f64 {
-        let measured_m = -self.true_x_m;
-        let in_sight = turned_to_it
-            && self
-                .ship
-                .is_some_and(|ship| ship.has_plating(self.true_y_m, vehicle.motion().depth_m))
-            && (0.0..=self.range_max_m).contains(&measured_m)
-            && self.true_bearing_deg(vehicle).abs() <= ASKEW_MAX_DEG;
-        if in_sight { measured_m } else { -self.x_m }
+    /// Distance from the target, metres: what the DVL measures (`ship_m`), otherwise from dead reckoning.
+    pub(crate) fn distance_m(&self, ship_m: Option<f64>) -> f64 {
+        ship_m.unwrap_or(-self.x_m)
     }
 
     /// BPRNS (SPI 8.8): sets the believed place and relative bearing. Returns by how much the place has moved.

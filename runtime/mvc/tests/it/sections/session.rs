@@ -39,7 +39,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         says: "By default, only command messages are sent from the vehicle to the payload",
         world: World::With(&[("[mission]", "shutdown_after_s = 62")]),
         on: &[],
-        talk: &[Until(20.0), Hear("$BFSHT,080002.000"), Never("$BF")],
+        talk: &[Until(20.0), Hear("$BFSHT,080002.000"), Hear("$BFBDL,"), Never("$BF")],
     },
     Section {
         number: "4.4",

@@ -58,6 +58,7 @@ pub(super) fn events(now: Timestamp) -> Vec<(Event, sdk::Event)> {
             RequestState::Rejected(Refusal::Figure(FigureBreach {
                 figure: Figure::Speed,
                 value: Some(3.0),
+                not_finite: None,
                 least: Some(1.0),
                 most: Some(2.0),
             })),

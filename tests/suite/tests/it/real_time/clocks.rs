@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use backseat_suite::{Line, Mission, Vehicle, settle};
+use backseat_suite::{Line, Mission, Signal, Vehicle, settle};
 
 use super::session::{SOON, runtime, steers};
 
@@ -82,4 +82,37 @@ fn sr_008_a_vehicles_clock_that_is_stepped_ends_no_promise() {
         }
         assert!(!runtime.stderr().contains("panicked"), "{}", runtime.stderr());
     }
+}
+
+/// A runtime that is armed meets a vehicle at another speed. Returns the rate that its screen names.
+fn named_and_not_steered(speed: &str) -> f64 {
+    let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 6000");
+    let vehicle = Vehicle::start_with(&mission, "127.0.0.1:0", &["--speed", speed]);
+    let mut runtime = runtime(&mission, &vehicle.address, &["--arm"]);
+    let line = runtime.says("times as fast as this computer's", SOON);
+    let rate = line
+        .split_once("clock runs ")
+        .and_then(|(_, after)| after.split(' ').next());
+    assert!(line.contains("nothing may steer"), "{line}");
+    settle(Duration::from_secs(12));
+    assert!(!vehicle.lines().iter().any(steers), "{}", vehicle.story());
+    runtime.signal(Signal::TERM);
+    assert_eq!(runtime.wait(SOON), Some(0), "{}", runtime.stderr());
+    let said = runtime.stderr();
+    assert_eq!(said.matches("times as fast").count(), 1, "one line says it\n{said}");
+    rate.and_then(|rate| rate.parse().ok()).expect("the line has a rate")
+}
+
+#[test]
+fn a_vehicle_whose_clock_runs_faster_is_named_and_not_steered() {
+    let rate = named_and_not_steered("20");
+    assert!((15.0..25.0).contains(&rate), "{rate}");
+    let rate = named_and_not_steered("1.5");
+    assert!((1.4..1.6).contains(&rate), "{rate}");
+}
+
+#[test]
+fn a_vehicle_whose_clock_runs_slower_is_named_and_not_steered() {
+    let rate = named_and_not_steered("0.5");
+    assert!((0.4..0.6).contains(&rate), "{rate}");
 }

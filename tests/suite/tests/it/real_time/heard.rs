@@ -6,6 +6,7 @@ use std::time::Duration;
 use backseat_suite::{Backseat, Behavior, Heard, Mission, Process, Scripted, Signal, Stopwatch, settle};
 
 use super::session::SOON;
+use crate::viewers::viewer::{channels, check};
 
 /// A fault of the vehicle.
 type Wrong = fn(&mut Behavior);
@@ -210,4 +211,26 @@ fn sr_011_before_power_goes_the_log_is_closed_and_the_process_has_ended() {
         .unwrap()
         .path();
     assert!(backseat_recorder::read(&log).unwrap().complete, "the log has its end");
+}
+
+/// A reader plays a log in the order of its times, and a replay gives core the times in the order of the records.
+#[test]
+fn the_times_of_the_log_rise_however_busy_the_link_is() {
+    let (mission, vehicle, mut runtime) = steering();
+    // With so many reads, some come just before the loop's timer for something that is due already.
+    vehicle.change(|behavior| behavior.noise_kib_per_s = 4 << 10);
+    settle(Duration::from_secs(5));
+    vehicle.change(|behavior| behavior.noise_kib_per_s = 0);
+    settle(Duration::from_secs(1));
+    runtime.signal(Signal::TERM);
+    assert_eq!(runtime.wait(SOON), Some(0), "{}", runtime.stderr());
+    let log = std::fs::read_dir(mission.beside("logs")).unwrap().next().unwrap();
+    // This fails where a time falls, whatever the channels.
+    let channels = channels(&std::fs::read(log.unwrap().path()).unwrap());
+    check(&channels);
+    let reads = channels["/link/from_vehicle"].messages.len();
+    assert!(reads > 200, "{reads} reads");
+    for topic in ["/position", "/log", "/map/fence"] {
+        assert!(channels.contains_key(topic), "{:?}", channels.keys());
+    }
 }

@@ -69,3 +69,28 @@ fn one_release_undoes_any_number_of_holds() {
     let count = vehicle.received("BPRMB").len();
     vehicle.receives("BPRMB", count + 2, SOON);
 }
+
+#[test]
+fn the_screen_says_why_nothing_steers_and_what_to_do_about_it() {
+    let mission = Mission::steady();
+    let vehicle = Vehicle::start(&mission);
+    let armed = runtime(&mission, &vehicle.address, &["--arm"]);
+    vehicle.receives("BPRMB", 1, SOON);
+    armed.signal(Signal::USR1);
+    let hold = mission.beside("state/hold");
+    let line = armed.says("no control: the operator holds", SOON);
+    assert!(line.contains(&format!("delete {}", hold.display())), "{line}");
+    // The reason lasts, and so does the line.
+    settle(Duration::from_secs(5));
+    assert_eq!(armed.stderr().matches("no control: the operator holds").count(), 1);
+    std::fs::remove_file(hold).unwrap();
+    let count = vehicle.received("BPRMB").len();
+    vehicle.receives("BPRMB", count + 1, SOON);
+    drop(armed);
+
+    let calm = runtime(&mission, &vehicle.address, &[]);
+    calm.says(
+        "nothing steers: the runtime is not armed; to arm, start with --arm",
+        SOON,
+    );
+}

@@ -105,7 +105,11 @@ fn verified_with(file: &Path, end: &str) -> u64 {
         .stderr
         .split_once(" records: nothing wrong")
         .expect("nothing wrong");
-    assert_eq!(rest, end, "{done}");
+    // No client of these tests says where the vehicle is, or hardly.
+    let (rest, _) = rest
+        .split_once("; warning: the pings have no navigation")
+        .unwrap_or((rest, ""));
+    assert_eq!(rest.trim_end(), end.trim_end(), "{done}");
     count.parse().expect("a number")
 }
 
@@ -362,14 +366,14 @@ fn what_cannot_be_served_is_one_line() {
     let file = mission.beside("file");
     fs::write(&file, "").unwrap();
     let line = plc(&mission).arg("--folder").arg(&file).run().refusal();
-    assert!(line.contains("cannot keep its files here"), "{line}");
+    assert!(line.contains("is not a folder"), "{line}");
     let folder = mission.beside("damaged");
     fs::create_dir(&folder).unwrap();
     fs::write(folder.join("6046.sav"), "nonsense").unwrap();
     let line = plc(&mission).arg("--folder").arg(&folder).run().refusal();
     assert!(line.contains("damaged: 6046.sav, line 1: expected the title"), "{line}");
     let line = plc(&mission).args(["--listen", "nowhere"]).run().refusal();
-    assert!(line.contains("cannot listen on nowhere"), "{line}");
+    assert!(line.contains("expected ADDRESS:PORT"), "{line}");
     let used = Controller::start(&mission);
     let line = plc(&mission).args(["--listen", "127.0.0.1:0", "--folder"]);
     let line = line.arg(&used.folder).run().refusal();

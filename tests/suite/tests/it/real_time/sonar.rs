@@ -117,6 +117,7 @@ fn sr_022_a_payload_controller_that_is_killed_or_stopped_does_not_disturb_a_surv
     assert_eq!(runtime.wait(SOON), Some(0), "{}", runtime.stderr());
     let worst_s = worst_gap_s(&vehicle);
     assert!(worst_s < 1.5, "{worst_s} s between two BPRMB\n{}", runtime.stderr());
+    println!("worst gap between two BPRMB: {worst_s:.3} s");
     assert!(
         runtime
             .stderr()
@@ -143,4 +144,34 @@ fn sr_022_a_payload_controller_that_is_killed_or_stopped_does_not_disturb_a_surv
             );
         }
     }
+}
+
+#[test]
+fn sr_022_a_payload_controller_that_floods_or_sends_garbage_does_not_disturb_a_survey() {
+    let address = free_address();
+    let mission = mission(&address).append(
+        "world.toml",
+        "\n[[plc.fault]]\nat_s = 8\nfor_s = 5\nkind = \"flood\"\nrecords_per_s = 2000\n\
+         \n[[plc.fault]]\nat_s = 15\nfor_s = 4\nkind = \"garbage\"\nbytes_per_s = 1000000\n",
+    );
+    let vehicle = Vehicle::start(&mission);
+    let mut controller = controller(&mission, &address, "only");
+    let mut runtime = runtime(&mission, &vehicle.address, &["--arm"]);
+    vehicle.receives("BPRMB", 3, SOON);
+    status_says(&vehicle, "sonar ready; logging on");
+    settle(Duration::from_secs(20));
+    status_says(&vehicle, "sonar ready; logging on");
+
+    runtime.signal(Signal::TERM);
+    assert_eq!(runtime.wait(SOON), Some(0), "{}", runtime.stderr());
+    let worst_s = worst_gap_s(&vehicle);
+    assert!(worst_s < 1.5, "{worst_s} s between two BPRMB\n{}", runtime.stderr());
+    println!("worst gap between two BPRMB: {worst_s:.3} s");
+    let told = runtime.stderr();
+    for words in ["not used", "bytes skipped"] {
+        assert!(told.contains(words), "no `{words}` in\n{told}");
+    }
+    assert!(told.lines().count() < 200, "the operator is flooded:\n{told}");
+    controller.signal(Signal::TERM);
+    assert_eq!(controller.wait(SOON), Some(0), "{}", controller.stderr());
 }

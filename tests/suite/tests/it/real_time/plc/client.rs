@@ -17,6 +17,7 @@ use backseat_s7k::{
     StreamReader, Time7k,
 };
 use backseat_suite::eventually;
+use backseat_units::Utc;
 
 const SOON: Duration = Duration::from_secs(30);
 
@@ -307,7 +308,8 @@ pub(super) fn navigation(latitude_deg: f64, longitude_deg: f64, depth_m: f64) ->
     };
     let mut out = Vec::new();
     let mut writer = FrameWriter::begin(FrameHeader::new(3100, DeviceId::BLUEFIN), &mut out);
-    let frames = [(Time7k::default(), frame)];
+    let now = Utc::from_unix_nanos(1_780_000_000_000_000_000);
+    let frames = [(Time7k::from_utc(now), frame)];
     BluefinRecord::compose_navigation(0, &frames, BluefinChecksum::WholePacket, writer.bytes()).expect("a frame");
     writer.finish(FRAME_LIMIT).expect("a short record");
     out

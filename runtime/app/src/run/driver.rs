@@ -1,0 +1,456 @@
+//! The loop around core at sea.
+
+use std::pin::Pin;
+use std::time::Duration;
+
+use anyhow::Result;
+use backseat_core::plugin::Rule;
+use backseat_core::{Core, Input, Note, Operator, Output};
+use backseat_recorder::{Recorder, RecorderError};
+use backseat_units::Timestamp;
+use tokio::net::TcpStream;
+use tokio::sync::mpsc::UnboundedReceiver;
+use tracing::{error, info, warn};
+
+use crate::clock::{Clock, Working};
+use crate::external::{Heard, Ports};
+use crate::helm::Helm;
+use crate::keeper::{Keeper, Kept};
+use crate::link::{Link, Ready, connect};
+use crate::operator::Signals;
+use crate::plugins::{Answer, Crew};
+use crate::rate::Rate;
+use crate::recording::{Queue, Recording};
+use crate::service::{Service, Slips};
+use crate::sonar::Sonars;
+
+const FLUSH_EVERY: Duration = Duration::from_secs(2);
+/// A change of the system's UTC against its monotonic clock that is too large to be a time daemon's slewing between two
+/// checks.
+const UTC_STEP_MIN: Duration = Duration::from_millis(500);
+/// A state folder that has not answered for this long is reported as stuck.
+const STATE_WITHIN: Duration = Duration::from_secs(2);
+/// How long the last BPEMB may take to leave when the run ends.
+const FAREWELL: Duration = Duration::from_millis(300);
+
+/// The result of an attempt to connect; waits for ever without one.
+async fn connected(
+    connecting: &mut Option<Pin<Box<dyn Future<Output = std::io::Result<TcpStream>>>>>,
+) -> std::io::Result<TcpStream> {
+    match connecting {
+        Some(connecting) => connecting.await,
+        None => std::future::pending().await,
+    }
+}
+
+/// The parts beside the loop, which have threads or tasks of their own.
+pub(crate) struct Around {
+    pub(crate) crew: Crew,
+    pub(crate) ports: Ports,
+    pub(crate) keeper: Keeper,
+    pub(crate) recorder: Recording,
+    pub(crate) sonars: Option<Sonars>,
+    pub(crate) helm: Helm,
+}
+
+/// Where the threads beside the loop report.
+pub(crate) struct Inbox {
+    pub(crate) answers: UnboundedReceiver<Answer>,
+    pub(crate) kept: UnboundedReceiver<Kept>,
+}
+
+/// Watches the loop, and changes nothing.
+pub(crate) trait Onlooker {
+    /// Core asks for this.
+    fn output(&mut self, output: &Output);
+    /// The loop comes round.
+    fn comes_round(&mut self, core: &Core, helm: &Helm);
+}
+
+pub(crate) struct Driver {
+    core: Core,
+    clock: Clock,
+    link: Link,
+    address: String,
+    connect_at: Option<Timestamp>,
+    connecting: Option<Pin<Box<dyn Future<Output = std::io::Result<TcpStream>>>>>,
+    /// When core last handled an input, and so when it judged the output of that.
+    judged: Timestamp,
+    crew: Crew,
+    ports: Ports,
+    keeper: Keeper,
+    recorder: Recording,
+    sonars: Option<Sonars>,
+    finished: bool,
+    reset: bool,
+    /// The last reservation could not be written to disk.
+    cannot_reserve: bool,
+    /// When the oldest unanswered request to the state folder was made.
+    state_asked: Option<(Timestamp, Working)>,
+    /// Whether that silence has been reported.
+    state_silent: bool,
+    /// The kind of the last refusal.
+    pub(super) last_refusal: Option<(Rule, String)>,
+    /// Why the link was lost, until this is logged together with the next attempt to connect.
+    pub(super) link_lost: Option<String>,
+    recorded_navigation: Option<Timestamp>,
+    /// How far core believes that the system's clock was set, nanoseconds.
+    utc_set_nanos: i64,
+    /// The plugins' names, for messages.
+    pub(super) names: Vec<String>,
+    pub(super) helm: Helm,
+    pub(super) rate: Rate,
+    onlooker: Option<Box<dyn Onlooker>>,
+}
+
+impl Driver {
+    /// A loop that has not yet connected to the vehicle at this address. `names` are the plugins' names.
+    pub(crate) fn new(core: Core, clock: Clock, address: String, around: Around, names: Vec<String>) -> Self {
+        let Around {
+            crew,
+            ports,
+            keeper,
+            recorder,
+            sonars,
+            helm,
+        } = around;
+        Self {
+            core,
+            clock,
+            link: Link::default(),
+            address,
+            connect_at: None,
+            connecting: None,
+            judged: Timestamp::ZERO,
+            crew,
+            ports,
+            keeper,
+            recorder,
+            sonars,
+            finished: false,
+            reset: false,
+            cannot_reserve: false,
+            state_asked: None,
+            state_silent: false,
+            last_refusal: None,
+            link_lost: None,
+            recorded_navigation: None,
+            utc_set_nanos: 0,
+            names,
+            helm,
+            rate: Rate::default(),
+            onlooker: None,
+        }
+    }
+
+    /// Has somebody watch.
+    #[cfg(feature = "simulation")]
+    pub(crate) fn watched(mut self, onlooker: Box<dyn Onlooker>) -> Self {
+        self.onlooker = Some(onlooker);
+        self
+    }
+
+    /// Serves core until it has finished.
+    pub(crate) async fn drive(
+        mut self,
+        Inbox { mut answers, mut kept }: Inbox,
+        mut heard: Heard,
+        mut signals: Signals,
+    ) -> Result<()> {
+        let mut buffer = vec![0; 64 * 1024];
+        let mut flush_at = Timestamp::ZERO + FLUSH_EVERY;
+        let (mut service, mut slips) = (Service::from_environment(), Slips::default());
+        self.carry_out_all();
+        while !self.finished {
+            service.comes_round(self.clock.now());
+            let wake = [
+                self.core.poll_timeout(),
+                self.connect_at,
+                self.link.write_deadline(),
+                service.deadline(),
+                Some(flush_at),
+            ];
+            let wake = wake.into_iter().flatten().min().unwrap_or(flush_at);
+            let clock = self.clock;
+            if let Some(onlooker) = &mut self.onlooker {
+                onlooker.comes_round(&self.core, &self.helm);
+            }
+            tokio::select! {
+                // Core's timers come first: core must learn of a late wake-up before it handles the input that has
+                // piled up.
+                biased;
+                () = clock.sleep_until(wake) => self.feed(Input::Timeout),
+                act = signals.next() => self.operator(act),
+                Some(kept) = kept.recv() => self.kept(kept),
+                Some(answer) = answers.recv() => self.answered(answer),
+                connected = connected(&mut self.connecting) => self.connected(connected),
+                ready = self.link.ready(&mut buffer) => match ready {
+                    Ready::Read(read) => self.received(&buffer[..read]),
+                    Ready::Writable => self.flush(),
+                    Ready::Closed => self.lose_link("the vehicle closed the connection".to_owned()),
+                },
+                report = Sonars::next(&mut self.sonars) => self.feed(Input::Sonar(report)),
+                // The operator's programs come last: whatever they send can wait.
+                Some((source, bytes)) = heard.recv() => self.feed(Input::External(source, &bytes)),
+            }
+            let now = self.clock.now();
+            slips.woke(wake, now);
+            if self.link.write_deadline().is_some_and(|at| at <= now) {
+                self.lose_link("a write has been waiting for a second".to_owned());
+            }
+            if self.connect_at.is_some_and(|at| at <= now) {
+                self.connect_at = None;
+                let address = self.address.clone();
+                self.connecting = Some(Box::pin(async move { connect(&address).await }));
+            }
+            if flush_at <= now {
+                flush_at = now + FLUSH_EVERY;
+                self.record(self.clock.now(), Recorder::flush);
+                self.follow_utc();
+                self.watch_state(now);
+            }
+        }
+        service.stopping();
+        slips.end();
+        self.farewell().await;
+        // Nothing more can be sent.
+        if !self.keeper.finish(self.core.used()) {
+            warn!("the state folder does not answer: identifiers that were reserved and not used stay reserved");
+        }
+        self.recorder.finish(self.clock.now());
+        Ok(())
+    }
+
+    fn received(&mut self, bytes: &[u8]) {
+        let now = self.clock.now();
+        self.feed(Input::Received(bytes));
+        // This is for the screen alone, so it comes after what core does with the bytes.
+        if let Some(line) = self.rate.received(now, bytes) {
+            warn!("{line}");
+            self.helm.clock_is_off(self.rate.is_off());
+        }
+    }
+
+    fn answered(&mut self, answer: Answer) {
+        self.crew.answered(&answer);
+        match answer {
+            Answer::Returned(plugin, returned) => self.feed(Input::Returned(plugin, returned)),
+            Answer::Restarted(plugin, restarted) => self.feed(Input::Restarted(plugin, restarted)),
+        }
+    }
+
+    /// Handles a result of the keeper, or an operator's act on the hold's file.
+    fn kept(&mut self, kept: Kept) {
+        if !matches!(kept, Kept::Act(_) | Kept::Gone) {
+            self.state_asked = None;
+            if std::mem::take(&mut self.state_silent) {
+                info!("the state folder answers again");
+            }
+        }
+        match kept {
+            Kept::Held => {}
+            Kept::Reserved(reservation) => {
+                if std::mem::take(&mut self.cannot_reserve) {
+                    info!("identifiers can be reserved again; inserts are sent again");
+                }
+                self.feed(Input::Reserved(reservation));
+            }
+            // Core requests it again and again; only the first failure is logged.
+            Kept::NotReserved(error) => {
+                if !std::mem::replace(&mut self.cannot_reserve, true) {
+                    error!("identifiers cannot be reserved; no more inserts are sent: {error:#}");
+                }
+            }
+            Kept::NotHeld(error) => {
+                error!(
+                    "the operator's hold or release counts for this run only, because it could not be saved: {error:#}"
+                );
+            }
+            Kept::Act(act) => self.operator(act),
+            Kept::Gone => {
+                (self.cannot_reserve, self.state_silent) = (true, true);
+                error!(
+                    "the thread that keeps the state has panicked: the operator's hold or release counts for this run \
+                     only, and no more inserts are sent"
+                );
+            }
+        }
+    }
+
+    /// Notes that the state folder has been asked to save something.
+    fn ask_state(&mut self) {
+        let (clock, now) = (self.clock, self.clock.now());
+        self.state_asked.get_or_insert_with(|| (now, clock.working()));
+    }
+
+    /// Reports a state folder that does not answer: a disk that hangs gives no error.
+    fn watch_state(&mut self, now: Timestamp) {
+        let late = |(asked, _): &(Timestamp, Working)| now.since(*asked) >= STATE_WITHIN;
+        if self.state_asked.as_ref().is_some_and(late) && !std::mem::replace(&mut self.state_silent, true) {
+            error!(
+                "the state folder does not answer; until it does, the operator's hold or release counts for this run \
+                 only, and inserts without a reserved identifier are not sent"
+            );
+        }
+    }
+
+    /// Tells core when the system's clock was set after the start, because zones with time windows depend on it.
+    fn follow_utc(&mut self) {
+        let set = self.clock.utc_set_nanos();
+        if u128::from(set.abs_diff(self.utc_set_nanos)) >= UTC_STEP_MIN.as_nanos() {
+            self.utc_set_nanos = set;
+            if let Some(sonars) = &self.sonars {
+                sonars.utc_set(set);
+            }
+            self.feed(Input::UtcSet(set));
+        }
+    }
+
+    fn feed(&mut self, input: Input<'_>) {
+        let now = self.clock.now();
+        let due = self.core.poll_timeout().is_some_and(|due| due <= now);
+        if due && !matches!(input, Input::Timeout) {
+            // The system was suspended, and so was the timer that the loop waits for.
+            self.take_in(Input::Timeout);
+        }
+        self.take_in(input);
+    }
+
+    fn take_in(&mut self, input: Input<'_>) {
+        // Each input has a time of its own, so that no time that core is given or that is recorded goes back.
+        let now = self.clock.now();
+        self.record(now, |recorder| recorder.input(now, &input));
+        self.handle(now, input);
+        if let Some(sample) = self.core.navigation().copied()
+            && self.recorded_navigation != Some(sample.solution)
+        {
+            self.recorded_navigation = Some(sample.solution);
+            self.record(now, |recorder| recorder.navigation(now, &sample));
+        }
+        self.carry_out_all();
+    }
+
+    fn handle(&mut self, now: Timestamp, input: Input<'_>) {
+        self.judged = now;
+        self.core.handle(now, input);
+    }
+
+    fn carry_out_all(&mut self) {
+        loop {
+            let now = self.clock.now();
+            while let Some(output) = self.core.poll_output() {
+                self.record(now, |recorder| recorder.output(now, &output));
+                if let Some(onlooker) = &mut self.onlooker {
+                    onlooker.output(&output);
+                }
+                self.carry_out(now, output);
+            }
+            if !std::mem::take(&mut self.reset) {
+                return;
+            }
+            self.reset_link();
+            self.record(now, |recorder| recorder.input(now, &Input::LinkDown));
+            self.handle(now, Input::LinkDown);
+        }
+    }
+
+    fn carry_out(&mut self, now: Timestamp, output: Output) {
+        match output {
+            Output::Send(bytes) => {
+                self.rate.sent(now, &bytes);
+                if let Some(line) = self.helm.sent(now, &bytes) {
+                    warn!("{line}");
+                }
+                if let Err(error) = self.link.send(self.judged, self.clock.now(), &bytes) {
+                    self.link_lost = Some(format!("the connection failed: {error}"));
+                    self.reset = self.link.is_open();
+                }
+            }
+            Output::Connect { after } => self.connect_at = Some(now + after),
+            Output::ResetLink => self.reset = true,
+            Output::Invoke(plugin, input) => self.crew.step(plugin, input),
+            Output::Restart(plugin) => self.crew.restart(plugin),
+            Output::Sonar(wish) => {
+                if let Some(sonars) = &mut self.sonars {
+                    sonars.tell(wish);
+                }
+            }
+            Output::External(source, line) => self.ports.tell(source, line),
+            Output::Reserve(reservation) => {
+                self.ask_state();
+                self.keeper.reserve(reservation);
+            }
+            Output::Finish => self.finished = true,
+            Output::Note(note) => {
+                if let Note::Operator { act } = &note {
+                    self.keep(act);
+                }
+                self.tell(now, &note);
+            }
+        }
+    }
+
+    /// Saves a hold or release of the operator or a policy, so that it outlives the process.
+    fn keep(&mut self, act: &Operator) {
+        let held = match act {
+            Operator::Hold => true,
+            Operator::Release => false,
+            Operator::Stop | Operator::Order(_) => return,
+        };
+        self.ask_state();
+        self.keeper.hold(held);
+    }
+
+    fn operator(&mut self, act: Operator) {
+        self.feed(Input::Operator(act));
+    }
+
+    fn connected(&mut self, connected: std::io::Result<TcpStream>) {
+        self.connecting = None;
+        match connected {
+            Ok(stream) => {
+                self.link.open(stream);
+                self.feed(Input::LinkUp);
+            }
+            Err(error) => {
+                self.lose_link(format!("no vehicle at {}: {error}", self.address));
+            }
+        }
+    }
+
+    fn flush(&mut self) {
+        if self.link.flush(self.clock.now()).is_err() {
+            self.lose_link("the connection failed".to_owned());
+        }
+    }
+
+    fn lose_link(&mut self, why: String) {
+        self.link_lost = Some(why);
+        self.reset_link();
+        self.feed(Input::LinkDown);
+    }
+
+    /// Resets the connection. Round trips of another one say nothing about the next vehicle's clock.
+    fn reset_link(&mut self) {
+        self.link.reset();
+        self.rate.reset();
+        self.helm.clock_is_off(false);
+    }
+
+    /// Waits until all written bytes have left, then closes the link in order.
+    async fn farewell(&mut self) {
+        let until = self.clock.now() + FAREWELL;
+        while self.link.write_deadline().is_some() && self.clock.now() < until {
+            tokio::time::sleep(Duration::from_millis(10)).await;
+            if self.link.flush(self.clock.now()).is_err() {
+                return;
+            }
+        }
+        self.link.close(FAREWELL).await;
+    }
+
+    /// Records what happened at this time.
+    fn record(&mut self, now: Timestamp, act: impl FnOnce(&mut Recorder<Queue>) -> Result<(), RecorderError>) {
+        self.recorder.record(now, act);
+    }
+}

@@ -1,0 +1,65 @@
+//! The channels of what plugins publish: one for each name of a plugin, `/measures/PLUGIN/NAME`.
+
+use std::collections::BTreeMap;
+
+use backseat_core::plugin::{Measure, PluginId};
+use serde::Serialize;
+
+use crate::header::Header;
+use crate::schema::Fields;
+
+/// The channels that there are. The plugin host bounds the names of a plugin.
+#[derive(Debug)]
+pub(crate) struct Measures {
+    /// The plugins' names in priority order.
+    plugins: Vec<String>,
+    /// MCAP identifiers of the channels, by plugin and name.
+    ids: BTreeMap<(usize, String), u16>,
+}
+
+/// A published value.
+#[derive(Serialize)]
+pub(crate) struct MeasureRow<'a> {
+    value: f64,
+    unit: &'a str,
+}
+
+impl<'a> From<&'a Measure> for MeasureRow<'a> {
+    fn from(measure: &'a Measure) -> Self {
+        Self {
+            value: measure.value,
+            unit: &measure.unit,
+        }
+    }
+}
+
+impl Measures {
+    pub(crate) fn new(header: &Header<'_>) -> Self {
+        Self {
+            plugins: header.components.iter().map(|(name, _)| name.clone()).collect(),
+            ids: BTreeMap::new(),
+        }
+    }
+
+    /// The channel of a name, which `add` makes if there is none: it takes the topic and the text of the schema.
+    pub(crate) fn channel<E>(
+        &mut self,
+        plugin: PluginId,
+        name: &str,
+        add: impl FnOnce(&str, &str) -> Result<u16, E>,
+    ) -> Result<u16, E> {
+        let key = (plugin.0, name.to_owned());
+        if let Some(id) = self.ids.get(&key) {
+            return Ok(*id);
+        }
+        let number = plugin.0.to_string();
+        let plugin = self.plugins.get(plugin.0).unwrap_or(&number);
+        let schema = Fields::new()
+            .number("value", "In the unit.")
+            .text("unit", "As the plugin gave it; may be empty.")
+            .into_message("A value that a plugin published.", &["value", "unit"]);
+        let id = add(&format!("/measures/{plugin}/{name}"), &schema.to_string())?;
+        self.ids.insert(key, id);
+        Ok(id)
+    }
+}

@@ -140,7 +140,13 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
             }
             None => None,
         };
-        let mut recorder = open_log(&log, &mission, &loaded.components, &clock)?;
+        let mut recorder = open_log(
+            &log,
+            &mission,
+            Some((arguments.vehicle.seed, &scenario.text)),
+            &loaded.components,
+            &clock,
+        )?;
         let start = Start {
             utc: clock.utc_at_start(),
             identifiers,

@@ -80,7 +80,8 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
-    let mut recorder = open_log(&log_in(&arguments.log, &mission), &mission, &loaded.components, &clock)?;
+    let log = log_in(&arguments.log, &mission);
+    let mut recorder = open_log(&log, &mission, None, &loaded.components, &clock)?;
     if identifiers.is_none() && names_requests(&mission) {
         info!(
             "no record of SPI identifiers at {}: tracklines, circles, GPS hits and acoustic packets are off; begin a \
@@ -185,13 +186,14 @@ pub(crate) fn log_in(folder: &Path, mission: &Mission) -> PathBuf {
     folder.join(format!("{}-{began}.mcap", mission.name))
 }
 
-/// Creates a log, and the folder in which it is.
+/// Creates a log, and the folder in which it is. A simulated vehicle has a seed, and a world as TOML.
 ///
 /// # Errors
 /// If one of them cannot be created.
 pub(crate) fn open_log(
     path: &Path,
     mission: &Mission,
+    simulated: Option<(u64, &str)>,
     components: &[(String, Vec<u8>)],
     clock: &Clock,
 ) -> Result<Recording> {
@@ -205,11 +207,11 @@ pub(crate) fn open_log(
             utc_at_start: clock.utc_at_start(),
             rate: Rate::Deployed,
             mission: &mission.name,
-            seed: None,
+            seed: simulated.map(|(seed, _)| seed),
             resolved_mission: &mission.resolved,
             fence: &mission.fence_text,
             origin: mission.envelope.fence().frame().origin(),
-            world: None,
+            world: simulated.map(|(_, world)| world),
             components,
             version: env!("CARGO_PKG_VERSION"),
         },

@@ -1,86 +1,23 @@
 //! Times as people and programs read them.
 
+use chrono::{DateTime, Utc};
+
 const NANOS: u64 = 1_000_000_000;
-const SECONDS_PER_DAY: u64 = 86_400;
 
-/// A time in UTC, nanoseconds since 1970, taken apart.
-pub(crate) struct Calendar {
-    pub(crate) year: u64,
-    /// From 1.
-    pub(crate) month: u64,
-    /// From 1.
-    pub(crate) day: u64,
-    /// From 0, which is Sunday.
-    pub(crate) weekday: u64,
-    pub(crate) hour: u64,
-    pub(crate) minute: u64,
-    pub(crate) second: u64,
-    pub(crate) nano: u64,
-}
-
-impl Calendar {
-    /// Source: H. Hinnant, "chrono-Compatible Low-Level Date Algorithms", `civil_from_days`.
-    pub(crate) fn of(unix_ns: u64) -> Self {
-        let seconds = unix_ns / NANOS;
-        let days = seconds / SECONDS_PER_DAY;
-        let shifted = days + 719_468;
-        let era = shifted / 146_097;
-        let day_of_era = shifted % 146_097;
-        let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-        let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-        let shifted_month = (5 * day_of_year + 2) / 153;
-        let month = if shifted_month < 10 {
-            shifted_month + 3
-        } else {
-            shifted_month - 9
-        };
-        Self {
-            year: year_of_era + era * 400 + u64::from(month <= 2),
-            month,
-            day: day_of_year - (153 * shifted_month + 2) / 5 + 1,
-            // 1970-01-01 was a Thursday.
-            weekday: (days + 4) % 7,
-            hour: seconds / 3600 % 24,
-            minute: seconds / 60 % 60,
-            second: seconds % 60,
-            nano: unix_ns % NANOS,
-        }
-    }
+fn utc(unix_ns: u64) -> DateTime<Utc> {
+    let seconds = i64::try_from(unix_ns / NANOS).unwrap_or_default();
+    let nanos = u32::try_from(unix_ns % NANOS).unwrap_or_default();
+    DateTime::from_timestamp(seconds, nanos).unwrap_or_default()
 }
 
 /// RFC 3339 in UTC, always with nine decimals, so that a column of times has one form.
 pub(crate) fn rfc3339(unix_ns: u64) -> String {
-    let Calendar {
-        year,
-        month,
-        day,
-        hour,
-        minute,
-        second,
-        nano,
-        ..
-    } = Calendar::of(unix_ns);
-    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}.{nano:09}Z")
+    utc(unix_ns).format("%Y-%m-%dT%H:%M:%S%.9fZ").to_string()
 }
 
 /// `Mon Nov 23 14:05:07 2026`, as `ctime` of C.
 pub(crate) fn ctime(unix_ns: u64) -> String {
-    const DAYS: [&str; 7] = ["Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"];
-    const MONTHS: [&str; 12] = [
-        "Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec",
-    ];
-    let calendar = Calendar::of(unix_ns);
-    let day = DAYS.get(calendar.weekday as usize).unwrap_or(&"");
-    let month = MONTHS.get(calendar.month as usize - 1).unwrap_or(&"");
-    let Calendar {
-        year,
-        day: date,
-        hour,
-        minute,
-        second,
-        ..
-    } = calendar;
-    format!("{day} {month} {date:2} {hour:02}:{minute:02}:{second:02} {year}")
+    utc(unix_ns).format("%a %b %e %H:%M:%S %Y").to_string()
 }
 
 /// Seconds since the start of a run. A message before it, which a log should not have, has a negative time.

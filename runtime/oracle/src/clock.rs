@@ -1,4 +1,5 @@
 use std::collections::VecDeque;
+use std::time::Duration;
 
 use crate::flaws::{Flaw, STEADY, What};
 use crate::moment::Moment;
@@ -73,6 +74,15 @@ impl Clock {
                 by_s: apart_ns as f64 / 1e9,
             },
         })
+    }
+
+    /// How old something with the vehicle's time `made` is at least, by the answers. `None` before the first of them.
+    pub(crate) fn age_at_least(&self, now: Moment, made: TimeOfDay) -> Option<Duration> {
+        let [_, most] = self.bounds?;
+        let age_ns = nanos(now.as_nanos()) - nanos(made.as_nanos()) - most;
+        // The short way round midnight.
+        let age_ns = (age_ns + DAY_NS / 2).rem_euclid(DAY_NS) - DAY_NS / 2;
+        Some(Duration::from_nanos(u64::try_from(age_ns).unwrap_or(0)))
     }
 
     fn remember(&mut self, came: Moment, bounds: Option<[i64; 2]>) {

@@ -475,7 +475,17 @@ impl Oracle {
     /// Whether the newest solution is older than allowed under any interpretation.
     fn is_stale(&self, now: Moment, tolerance: Duration) -> bool {
         let allowed = self.navigation_age_allowed() + tolerance;
-        self.navigation.age(now).is_none_or(|age| age > allowed)
+        self.navigation_age(now).is_none_or(|age| age > allowed)
+    }
+
+    /// The least age that the newest solution can have; `None` if there was none on this connection. The fixes alone do
+    /// not tell it: a vehicle's clock that is set forward while one fix is made, and back before the next, makes all
+    /// later fixes look late by that.
+    fn navigation_age(&self, now: Moment) -> Option<Duration> {
+        let age = self.navigation.age(now)?;
+        let newest = self.navigation.newest();
+        let measured = newest.and_then(|told| self.clock.age_at_least(now, told.fix.solution));
+        Some(measured.map_or(age, |measured| measured.min(age)))
     }
 
     /// The greatest age of navigation that the runtime may steer by, as the oracle sees it on the link.

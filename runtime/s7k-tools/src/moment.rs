@@ -2,10 +2,10 @@
 
 use core::fmt;
 use core::str::FromStr;
-use core::time::Duration;
 
 use backseat_s7k::Time7k;
 use backseat_units::Utc;
+use chrono::{DateTime, NaiveDate, NaiveDateTime, NaiveTime, Timelike};
 use serde::{Serialize, Serializer};
 
 /// An instant in UTC. `Display` writes it as `2026-11-23T14:05:07.250Z`.
@@ -17,25 +17,7 @@ pub struct Moment(pub Utc);
 #[error("expected a time in UTC, such as 2026-11-23T14:05:07.25Z, or with the day of the year, 2026-327T14:05:07.25")]
 pub struct MomentError;
 
-/// A date and the time in it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Calendar {
-    pub(crate) year: u16,
-    pub(crate) month: u8,
-    pub(crate) day: u8,
-    pub(crate) day_of_year: u16,
-    pub(crate) hour: u8,
-    pub(crate) minute: u8,
-    pub(crate) second: u8,
-    pub(crate) nanos: u32,
-}
-
 const NANOS_PER_SECOND: u64 = 1_000_000_000;
-
-const fn month_lengths(year: u16) -> [u16; 12] {
-    let leap = year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
-    [31, if leap { 29 } else { 28 }, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31]
-}
 
 impl Moment {
     /// The instant of a 7k time; `None` if the header has none.
@@ -62,69 +44,24 @@ impl Moment {
         }
     }
 
-    pub(crate) fn calendar(self) -> Calendar {
-        // Whole seconds survive 7k time exactly.
-        let seconds = self.nanos() / NANOS_PER_SECOND;
-        let minutes = Time7k::from_utc(Utc::from_unix_nanos(seconds / 60 * 60 * NANOS_PER_SECOND));
-        let mut day = minutes.day;
-        let mut month = 0;
-        for length in month_lengths(minutes.year) {
-            if day <= length {
-                break;
-            }
-            day -= length;
-            month += 1;
-        }
-        Calendar {
-            year: minutes.year,
-            month: month + 1,
-            day: u8::try_from(day).unwrap_or(31),
-            day_of_year: minutes.day,
-            hour: minutes.hours,
-            minute: minutes.minutes,
-            second: u8::try_from(seconds % 60).unwrap_or(59),
-            nanos: u32::try_from(self.nanos() % NANOS_PER_SECOND).unwrap_or(0),
-        }
+    /// The date and the time in it.
+    pub(crate) fn calendar(self) -> NaiveDateTime {
+        let seconds = i64::try_from(self.nanos() / NANOS_PER_SECOND).unwrap_or_default();
+        let nanos = u32::try_from(self.nanos() % NANOS_PER_SECOND).unwrap_or_default();
+        DateTime::from_timestamp(seconds, nanos).unwrap_or_default().naive_utc()
     }
 }
 
 impl fmt::Display for Moment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Calendar {
-            year,
-            month,
-            day,
-            hour,
-            minute,
-            second,
-            nanos,
-            ..
-        } = self.calendar();
-        let millis = nanos / 1_000_000;
-        write!(
-            f,
-            "{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}.{millis:03}Z"
-        )
+        write!(f, "{}", self.calendar().format("%Y-%m-%dT%H:%M:%S%.3fZ"))
     }
 }
 
 impl Serialize for Moment {
     /// With six decimals: a 7k time resolves 4 microseconds at best.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Calendar {
-            year,
-            month,
-            day,
-            hour,
-            minute,
-            second,
-            nanos,
-            ..
-        } = self.calendar();
-        let micros = nanos / 1000;
-        serializer.collect_str(&format_args!(
-            "{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}.{micros:06}Z"
-        ))
+        serializer.collect_str(&self.calendar().format("%Y-%m-%dT%H:%M:%S%.6fZ"))
     }
 }
 
@@ -134,43 +71,31 @@ impl FromStr for Moment {
     fn from_str(text: &str) -> Result<Self, MomentError> {
         let text = text.strip_suffix('Z').unwrap_or(text);
         let (date, clock) = text.split_once(['T', ' ']).ok_or(MomentError)?;
-        let digits = |text: &str, length: usize| -> Option<u16> {
-            let whole = text.len() == length && text.bytes().all(|byte| byte.is_ascii_digit());
-            whole.then(|| text.parse().ok()).flatten()
+        // chrono also takes numbers of fewer digits, and signs.
+        let shape = |text: &str| -> String { text.chars().map(|c| if c.is_ascii_digit() { '0' } else { c }).collect() };
+        let day = match shape(date).as_str() {
+            "0000-00-00" => NaiveDate::parse_from_str(date, "%Y-%m-%d"),
+            "0000-000" => NaiveDate::parse_from_str(date, "%Y-%j"),
+            _ => return Err(MomentError),
         };
-        let parse = || -> Option<Self> {
-            let mut parts = date.split('-');
-            let year = digits(parts.next()?, 4)?;
-            let day = match (parts.next()?, parts.next()) {
-                (day, None) => digits(day, 3)?,
-                (month, Some(day)) => {
-                    let (month, day) = (usize::from(digits(month, 2)?), digits(day, 2)?);
-                    let lengths = month_lengths(year);
-                    let length = *lengths.get(month.checked_sub(1)?)?;
-                    (1..=length).contains(&day).then_some(())?;
-                    lengths[..month - 1].iter().sum::<u16>() + day
-                }
-            };
-            let mut parts = clock.split(':');
-            let (hours, minutes) = (digits(parts.next()?, 2)?, digits(parts.next()?, 2)?);
-            let (seconds, decimals) = parts
-                .next()
-                .map_or(("00", ""), |text| text.split_once('.').unwrap_or((text, "")));
-            let seconds = digits(seconds, 2).filter(|seconds| *seconds < 60)?;
-            let decimals_fit = decimals.len() <= 9 && decimals.bytes().all(|byte| byte.is_ascii_digit());
-            (decimals_fit && parts.next().is_none()).then_some(())?;
-            let nanos: u64 = format!("{decimals:0<9}").parse().ok()?;
-            let minute = Time7k {
-                year,
-                day,
-                seconds: 0.0,
-                hours: u8::try_from(hours).ok()?,
-                minutes: u8::try_from(minutes).ok()?,
-            };
-            let since = Duration::from_nanos(u64::from(seconds) * NANOS_PER_SECOND + nanos);
-            Some(Self(minute.to_utc()? + since))
+        let (whole, decimals) = clock.split_once('.').unwrap_or((clock, "0"));
+        let time = match shape(whole).as_str() {
+            "00:00" if !clock.contains('.') => NaiveTime::parse_from_str(whole, "%H:%M"),
+            "00:00:00" => NaiveTime::parse_from_str(whole, "%H:%M:%S"),
+            _ => return Err(MomentError),
         };
-        parse().ok_or(MomentError)
+        let (day, time) = day.ok().zip(time.ok()).ok_or(MomentError)?;
+        let decimals_fit = decimals.len() <= 9 && decimals.bytes().all(|byte| byte.is_ascii_digit());
+        // A second 60 is read as a nanosecond of the one before.
+        let plain = time.nanosecond() < 1_000_000_000;
+        let seconds = u64::try_from(day.and_time(time).and_utc().timestamp());
+        let nanos: Result<u64, _> = format!("{decimals:0<9}").parse();
+        match (seconds, nanos) {
+            (Ok(seconds), Ok(nanos)) if plain && decimals_fit => {
+                Ok(Self(Utc::from_unix_nanos(seconds * NANOS_PER_SECOND + nanos)))
+            }
+            _ => Err(MomentError),
+        }
     }
 }
 

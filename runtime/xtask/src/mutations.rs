@@ -7,6 +7,9 @@ use anyhow::{Context, Result};
 const FEATURE: &str = "mutations";
 /// The program for sea never enables it.
 const PROGRAM: &str = "runtime/app/Cargo.toml";
+/// The feature with which the exploration copies and compares core's state, the crate that has it, and the only one
+/// that asks for it.
+const EXPLORE: (&str, &str, &str) = ("\"explore\"", "runtime/core/Cargo.toml", "tests/explore/Cargo.toml");
 
 /// Checks that no crate gets the monitor's mutations unless it asks for them by name: the feature appears only among
 /// features that pass it on under the same name.
@@ -40,6 +43,12 @@ fn enabled(file: &str, manifest: &str) -> Vec<String> {
             let place = format!("{file}:{}", number + 1);
             faults.push(format!("{place}: only tests may leave out the monitor's checks"));
         }
+        let (feature, owner, user) = EXPLORE;
+        let asks = code.contains(feature) || code.contains("backseat-core/explore");
+        if asks && file != owner && file != user {
+            let place = format!("{file}:{}", number + 1);
+            faults.push(format!("{place}: only the exploration may copy core's state"));
+        }
     }
     faults
 }
@@ -60,6 +69,17 @@ mod tests {
             "[dependencies.backseat-core]\nworkspace = true\nfeatures = [\n  \"mutations\",\n]\n",
         ] {
             assert_eq!(enabled("tests/hunt/Cargo.toml", enables).len(), 1, "{enables}");
+        }
+    }
+
+    #[test]
+    fn only_the_exploration_copies_cores_state() {
+        let asks = "[dependencies]\nbackseat-core = { workspace = true, features = [\"explore\"] }\n";
+        assert!(enabled("tests/explore/Cargo.toml", asks).is_empty());
+        for text in [asks, "[features]\nexplore = [\"backseat-core/explore\"]\n"] {
+            for file in [PROGRAM, "tests/hunt/Cargo.toml"] {
+                assert_eq!(enabled(file, text).len(), 1, "{file}: {text}");
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
@@ -189,7 +190,7 @@ fn run() -> Result<bool> {
             Ok(true)
         }
         Task::Checks => {
-            checks();
+            print(&checks()?)?;
             Ok(true)
         }
         Task::Show { seed, detours, clean } => {
@@ -198,7 +199,7 @@ fn run() -> Result<bool> {
             } else {
                 drawn(detours)(seed)
             };
-            print!("{}", plan.to_toml());
+            print(&plan.to_toml())?;
             Ok(true)
         }
     }
@@ -468,14 +469,25 @@ fn replay(plugins: &Path, path: &Path, log: Option<&Path>) -> Result<bool> {
 }
 
 #[cfg(feature = "mutations")]
-fn checks() {
-    for check in backseat_core::mutations::Check::ALL {
-        println!("{}\t{:03} {}", check.name(), check.requirement(), check.what());
-    }
+fn checks() -> Result<String> {
+    let line = |check: &backseat_core::mutations::Check| {
+        format!("{}\t{:03} {}\n", check.name(), check.requirement(), check.what())
+    };
+    Ok(backseat_core::mutations::Check::ALL.iter().map(line).collect())
 }
 
 #[cfg(not(feature = "mutations"))]
-const fn checks() {}
+fn checks() -> Result<String> {
+    bail!("this build can switch no check off: build it with --features mutations");
+}
+
+/// A reader that leaves, such as `head`, is no error.
+fn print(text: &str) -> Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("standard output"),
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
 
 #[cfg(feature = "mutations")]
 fn leave_out(name: &str) -> Result<()> {

@@ -182,13 +182,13 @@ impl Oracle {
         }
         self.findings.judge(Rule::StaleNavigation);
         self.findings.judge(Rule::ModifyInherits);
-        if let Some(age) = self.navigation.age(at) {
+        if let Some(age) = self.navigation_age(at) {
             let allowed = self.navigation_age_allowed();
             self.findings
                 .near(Margin::NavigationAge, age.as_secs_f64(), allowed.as_secs_f64());
         }
         if self.is_stale(at, Duration::ZERO) && self.lease.tell_stale() {
-            let age = self.navigation.age(at);
+            let age = self.navigation_age(at);
             self.findings.add(at, Rule::StaleNavigation, || match age {
                 Some(age) => format!("BPRMB was sent while navigation was {:.3} s old", age.as_secs_f64()),
                 None => "BPRMB was sent without any navigation on this connection".to_owned(),

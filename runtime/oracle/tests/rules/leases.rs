@@ -435,3 +435,23 @@ fn requirement_008_a_connection_without_navigation_allows_no_lease() {
         .ours(5100, END)
         .finds(&["stale-navigation"]);
 }
+
+#[test]
+fn requirement_008_one_fix_by_another_clock_makes_no_later_fix_stale() {
+    // The clock is set forward for one fix, and set back while navigation is missing. No answer shows it, and the times
+    // of the solutions never go back.
+    let run = || {
+        Scenario::with_control()
+            .clock_set_during(3950..4051, 7000)
+            .navigation(4050, false)
+            .navigation(11_100, true)
+            .activity(19_000, Activity::Plan)
+    };
+    run().ours(13_000, MODIFY).ours(13_100, END).finds_nothing();
+    let silent = run().navigation(13_950, false);
+    silent.clone().ours(15_195, MODIFY).ours(15_200, END).finds_nothing();
+    silent
+        .ours(15_250, MODIFY)
+        .ours(15_260, END)
+        .finds(&["stale-navigation"]);
+}

@@ -68,8 +68,8 @@ pub(crate) struct Scenario {
     /// The speed to the north in BFNVR, m/s, and the time without BFNVR, milliseconds.
     north_mps: f64,
     without_velocities: std::ops::Range<u64>,
-    /// When the vehicle's clock is set, and by how many milliseconds.
-    clock_set: (u64, i64),
+    /// When the vehicle's clock is set and when it is set back, and by how many milliseconds.
+    clock_set: (std::ops::Range<u64>, i64),
 }
 
 /// The oracle's result.
@@ -103,7 +103,7 @@ impl Scenario {
             creeps: None,
             north_mps: 0.0,
             without_velocities: 0..0,
-            clock_set: (u64::MAX, 0),
+            clock_set: (u64::MAX..u64::MAX, 0),
         }
         .link(0, true)
         .vehicle(50, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,")
@@ -158,6 +158,12 @@ impl Scenario {
 
     /// The vehicle's clock is set.
     pub(crate) fn clock_set(mut self, ms: u64, by_ms: i64) -> Self {
+        self.clock_set = (ms..u64::MAX, by_ms);
+        self
+    }
+
+    /// The vehicle's clock is set, and set back at the end of this time.
+    pub(crate) fn clock_set_during(mut self, ms: std::ops::Range<u64>, by_ms: i64) -> Self {
         self.clock_set = (ms, by_ms);
         self
     }
@@ -294,10 +300,10 @@ impl Scenario {
         let (mut states, mut delay_ms) = (Vec::new(), 0);
         let mut events = self.events.into_iter().peekable();
         let mut lock_m = 30;
-        let (set_ms, by_ms) = self.clock_set;
+        let (set, by_ms) = self.clock_set;
         let clock = |ms: u64| match ms {
-            ms if ms < set_ms => stamp(ms),
-            ms => stamp((86_400_000 + ms).saturating_add_signed(by_ms)),
+            ms if set.contains(&ms) => stamp((86_400_000 + ms).saturating_add_signed(by_ms)),
+            ms => stamp(ms),
         };
         for ms in 0..=until_ms {
             let at = ms * 1_000_000;

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use backseat_s7k::FrameHeader;
 use backseat_s7k::record::{Channel, CoordinateUnits, Imagery, Record, Samples, SegyHeader};
+use chrono::{Datelike, Timelike};
 
 use super::Exported;
 use super::ebcdic::ebcdic;
@@ -328,14 +329,14 @@ fn trace_header(
     }
     if let Some(time) = Moment::of(&frame.time) {
         let time = time.calendar();
-        header.i16(157, short(u32::from(time.year)));
-        header.i16(159, short(u32::from(time.day_of_year)));
-        header.i16(161, i16::from(time.hour));
-        header.i16(163, i16::from(time.minute));
-        header.i16(165, i16::from(time.second));
+        header.i16(157, short(u32::try_from(time.year()).unwrap_or_default()));
+        header.i16(159, short(time.ordinal()));
+        header.i16(161, short(time.hour()));
+        header.i16(163, short(time.minute()));
+        header.i16(165, short(time.second()));
         // 4: UTC.
         header.i16(167, 4);
-        header.u32(233, time.nanos / 1000);
+        header.u32(233, time.nanosecond() / 1000);
     }
     header.u32(197, ping);
 }

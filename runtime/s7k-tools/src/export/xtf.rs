@@ -7,6 +7,7 @@ use std::path::Path;
 
 use backseat_s7k::FrameHeader;
 use backseat_s7k::record::{Imagery, RangeKind, Samples, SideScanHeader};
+use chrono::{Datelike, Timelike};
 
 use super::Exported;
 use crate::error::Error;
@@ -227,18 +228,25 @@ fn ping_header(header: &mut Part<'_>, imagery: &Imagery<'_>, length: usize, fact
     header.u32(10, u32::try_from(length).unwrap_or(u32::MAX));
     if let Some(time) = facts.time {
         let time = time.calendar();
-        header.u16(14, time.year);
-        let hundredths = u8::try_from(time.nanos / 10_000_000).unwrap_or(99);
-        header.put(
-            16,
-            [time.month, time.day, time.hour, time.minute, time.second, hundredths],
-        );
-        header.u16(22, time.day_of_year);
+        let byte = |value: u32| u8::try_from(value).unwrap_or_default();
+        let day = [byte(time.month()), byte(time.day())];
+        let clock = [
+            byte(time.hour()),
+            byte(time.minute()),
+            byte(time.second()),
+            byte(time.nanosecond() / 10_000_000),
+        ];
+        header.u16(14, u16::try_from(time.year()).unwrap_or_default());
+        header.put(16, day);
+        header.put(18, clock);
+        header.u16(22, u16::try_from(time.ordinal()).unwrap_or_default());
         // The time of the position is that of the ping: it is interpolated.
-        header.put(148, [time.hour, time.minute, time.second, hundredths]);
-        let seconds = (u32::from(time.hour) * 60 + u32::from(time.minute)) * 60 + u32::from(time.second);
-        header.u32(232, seconds * 1000 + time.nanos / 1_000_000);
-        header.put(236, [time.hour, time.minute, time.second, hundredths]);
+        header.put(148, clock);
+        header.u32(
+            232,
+            time.num_seconds_from_midnight() * 1000 + time.nanosecond() / 1_000_000,
+        );
+        header.put(236, clock);
     }
     let ping = imagery.header.ping;
     header.u32(24, ping);

@@ -1,4 +1,4 @@
-//! How long a look at the world takes: `cargo run --release -p backseat-world --example speed`.
+//! How long a look at the world takes: `cargo run --release -p backseat-world --example look_speed`.
 
 use std::hint::black_box;
 use std::time::Instant;

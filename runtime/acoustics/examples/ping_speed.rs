@@ -1,4 +1,4 @@
-//! How long a ping takes: `cargo run --release -p backseat-acoustics --example speed [-- ROUNDS
+//! How long a ping takes: `cargo run --release -p backseat-acoustics --example ping_speed [-- ROUNDS
 //! [WORDS]]`. Only rows that contain the words are measured.
 
 use std::hint::black_box;

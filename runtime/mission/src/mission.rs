@@ -164,7 +164,10 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
                 .separator("__")
                 .try_parsing(true),
         );
-        names.push("the environment's BACKSEAT__*".to_owned());
+        let variables = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
+        let mut ours: Vec<String> = variables.filter(|name| name.starts_with("BACKSEAT__")).collect();
+        ours.sort();
+        names.extend(ours);
     }
     for set in &layers.set {
         if let Some(line) = set::line(set)? {
@@ -174,7 +177,7 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
     }
     let over = |error: config::ConfigError| MissionError::Layer {
         layer: names.join(" with "),
-        message: with_new_name(&one_line(&error.to_string())),
+        message: with_new_name(&dotted(&one_line(&error.to_string()))),
     };
     builder.build().map_err(over)?.try_deserialize().map_err(over)
 }
@@ -377,6 +380,25 @@ fn key_before(text: &str) -> Option<&str> {
     }
     let key = before.rsplit(['\n', ',', '{']).next()?.trim();
     (!key.is_empty()).then_some(key)
+}
+
+/// The crate `config` writes the path of a key in a table of a list as `plugin[0]limits`.
+fn dotted(text: &str) -> String {
+    let Some((before, key)) = text.rsplit_once("for key `") else {
+        return text.to_owned();
+    };
+    let mut path = String::new();
+    for (at, part) in key.split(']').enumerate() {
+        if at > 0 {
+            path.push_str(if part.starts_with(char::is_alphanumeric) {
+                "]."
+            } else {
+                "]"
+            });
+        }
+        path.push_str(part);
+    }
+    format!("{before}for key `{path}")
 }
 
 fn one_line(text: &str) -> String {

@@ -524,3 +524,18 @@ fn a_payload_controller_that_makes_no_sense_is_named() {
         "{message}"
     );
 }
+
+#[test]
+fn the_path_of_a_key_in_a_list_is_written_with_dots() {
+    for (text, expected) in [
+        (
+            "unknown field `x` for key `plugin[0]limits`",
+            "unknown field `x` for key `plugin[0].limits`",
+        ),
+        ("bad for key `plugin[0]ping[1]`", "bad for key `plugin[0].ping[1]`"),
+        ("bad [0]a for key `limits`", "bad [0]a for key `limits`"),
+        ("bad [0]a", "bad [0]a"),
+    ] {
+        assert_eq!(dotted(text), expected);
+    }
+}

@@ -147,3 +147,21 @@ fn check_says_whether_a_mission_is_ready() {
     assert!(resolved.stdout.contains("speed_max_mps = 1.7"), "{resolved}");
     assert!(resolved.stdout.contains("lead_max_m = 33"), "{resolved}");
 }
+
+#[test]
+fn a_wrong_key_is_reported_with_the_layers_that_may_have_it_and_no_others() {
+    let check = || {
+        let check = Backseat::new().args(["check", "--set", "limits.turn_rate_dsp=3"]);
+        check.mission(&Mission::steady())
+    };
+    let plain = check().run().refusal();
+    assert!(
+        plain.contains("mission.toml with --set limits.turn_rate_dsp=3: unknown field `turn_rate_dsp`: did you mean `turn_rate_dps`?"),
+        "{plain}"
+    );
+    let layered = check().env("BACKSEAT__LIMITS__LEAD_MAX_M", "33").run().refusal();
+    assert!(
+        layered.contains("mission.toml with BACKSEAT__LIMITS__LEAD_MAX_M with --set "),
+        "{layered}"
+    );
+}

@@ -150,9 +150,10 @@ fn check_says_whether_a_mission_is_ready() {
 
 #[test]
 fn a_wrong_key_is_reported_with_the_layers_that_may_have_it_and_no_others() {
+    let mission = Mission::steady();
     let check = || {
         let check = Backseat::new().args(["check", "--set", "limits.turn_rate_dsp=3"]);
-        check.mission(&Mission::steady())
+        check.mission(&mission)
     };
     let plain = check().run().refusal();
     assert!(

@@ -40,7 +40,7 @@ pub(crate) enum Command {
     /// is shortened: whatever is in time at --speed 1 is in time at every speed, and a computer that is too slow flies
     /// longer.
     ///
-    /// On a terminal a status line shows the state; elsewhere a line each ten seconds does. The flight ends some seconds
+    /// On a terminal two lines show the state; elsewhere a line each ten seconds does. The flight ends some seconds
     /// after the mission. Ctrl-C or SIGTERM ends it before; SIGUSR1 holds the plugins and SIGUSR2 releases them.
     #[cfg(feature = "simulation")]
     Fly(Fly),
@@ -57,8 +57,8 @@ pub(crate) enum Command {
     /// Run only the mock payload controller with its sonars, for any 7k client
     ///
     /// The mock payload controller behaves like a RESON 6046 with a sidescan and a sub-bottom profiler, as [plc] of the
-    /// mission's world.toml describes it. Its sonars see the seabed and the targets of that world. The vehicle is where
-    /// clients say in records 3100; before that it stands at [start].
+    /// mission's world.toml describes it. Its sonars see the seabed and the targets of that world. Clients
+    /// report the vehicle's position in records 3100; until one does, the vehicle stands at [start].
     ///
     /// Each event is a line on standard error. Ctrl-C or SIGTERM ends the program, and so does a client's shutdown
     /// command; log files are whole then.

@@ -71,8 +71,9 @@ fn overview() -> Result<bool> {
         for entry in reference.within("") {
             let meaning = entry.meaning.replace('`', "");
             let sentence = meaning
-                .split_once(['.', ':'])
-                .map_or(meaning.as_str(), |(first, _)| first);
+                .split_once(". ")
+                .map_or(meaning.trim_end_matches('.'), |(first, _)| first);
+            let sentence = sentence.split_once(": ").map_or(sentence, |(first, _)| first);
             say!("  {:<16} {sentence}", entry.key);
         }
         say!("");

@@ -147,9 +147,9 @@ impl Helm {
             U::OperatorHolds => {
                 return Some(format!("to release, delete {} or send SIGUSR2", self.hold.display()));
             }
-            U::ControlUnknown => "it may not say so before its next leg",
+            U::ControlUnknown => "it may stay silent about that until its next leg",
             U::VehicleHasControl => "it gives control on the legs of its plan that let a payload steer",
-            U::MissionUnknown => "it may not say so before its mission begins or ends",
+            U::MissionUnknown => "it may stay silent about that until its mission begins or ends",
             U::MissionNotRunning => "start it on the vehicle",
             U::PlanDiffers => "load the checked plan into the vehicle, or check the vehicle's and name it in [plan]",
             U::NotAnsweredInTime => "if this lasts, look for what delays the link (limits.link_delay_max_s)",
@@ -254,7 +254,8 @@ mod tests {
             21,
             &["the vehicle has not said who has control; sonar ok"; 20],
         );
-        let line = "no control: the vehicle has not said who has control; it may not say so before its next leg";
+        let line =
+            "no control: the vehicle has not said who has control; it may stay silent about that until its next leg";
         assert_eq!(lines, [(22, line.to_owned())]);
     }
 

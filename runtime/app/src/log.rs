@@ -31,7 +31,7 @@ pub(crate) enum Log {
     ///
     /// The word in front of each result says what the rule looks at: `sent`, our sentences alone; `heard`, our
     /// sentences after what the runtime had read from the vehicle; `operator`, our sentences after what the operator
-    /// did; `arrived` and `truth`, what only a simulation knows, so that these two are never judged here. For each
+    /// did; `arrived` and `truth`, facts that only a simulation knows, so these two are never judged here. For each
     /// violation it prints time, rule, description and sentence.
     ///
     /// Records are missing where the disk was too slow. After such a gap nothing is judged that depends on earlier
@@ -84,6 +84,6 @@ fn read_log(path: &Path) -> Result<backseat_recorder::Log> {
     match read(path) {
         // It is the log of a run.
         Err(error @ RecorderError::Format { .. }) => Err(error.into()),
-        log => log.context("expected the log of a run, written by `run` or `sim --log`"),
+        log => log.context("expected the log of a run, written by `run`, `fly` or `sim --log`"),
     }
 }

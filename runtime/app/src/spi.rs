@@ -33,9 +33,9 @@ pub(crate) enum Spi {
     /// checksum has an `error` that gives the right checksum, because any of its values may be wrong; --ignore-checksum
     /// decodes it nevertheless.
     ///
-    /// The log of a run (.mcap, by `run` or `sim --log`) has the bytes of both directions, and its sentences are shown in
-    /// its order. Each has the seconds since the start of the run in front, with --json in `received_s`, at which its last
-    /// byte was read or written.
+    /// The log of a run (.mcap, by `run`, `fly` or `sim --log`) has the bytes of both directions, and its sentences are
+    /// shown in its order. In front of each sentence is the time at which its last byte was read or written, in seconds
+    /// since the start of the run; with --json that time is in `received_s`.
     ///
     /// Exit code: 0 even if some sentences were faulty, 2 if the input cannot be read.
     Decode(SpiDecode),

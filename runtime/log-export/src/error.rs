@@ -13,7 +13,7 @@ pub enum Error {
         source: io::Error,
     },
     /// The input is not the log of a run.
-    #[error("{}: {what}: expected the log of a run, written by `run` or `sim --log`", path.display())]
+    #[error("{}: {what}: expected the log of a run, written by `run`, `fly` or `sim --log`", path.display())]
     NoLog {
         /// The input.
         path: PathBuf,

@@ -153,7 +153,7 @@ fn header(reference: &Reference, key: &str) -> String {
     if let Some((file, key)) = key.split_once(':')
         && let Some(other) = Reference::of(file)
     {
-        return format!("{} of {file}", header(other, key));
+        return format!("{}` of `{file}", header(other, key));
     }
     match reference.entry(key).map(|entry| entry.kind) {
         Some(Kind::Tables) => format!("[[{key}]]"),

@@ -10,7 +10,7 @@ use crate::terminal::tell;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogExport {
-    /// The log, written by `run` or `sim --log`
+    /// The log, written by `run`, `fly` or `sim --log`
     #[arg(value_name = "DIVE.mcap")]
     file: PathBuf,
     /// The format

@@ -14,7 +14,7 @@ use crate::output::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogInfo {
-    /// The logs, written by `run` or `sim --log`
+    /// The logs, written by `run`, `fly` or `sim --log`
     #[arg(value_name = "DIVE.mcap", required = true)]
     files: Vec<PathBuf>,
     /// Print one JSON object for each log on standard output and nothing else

@@ -13,7 +13,7 @@ use crate::output::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogJudge {
-    /// The logs, written by `run` or `sim --log`
+    /// The logs, written by `run`, `fly` or `sim --log`
     #[arg(value_name = "DIVE.mcap", required = true)]
     pub(crate) files: Vec<PathBuf>,
     /// Also print the rules that were not judged, with the reason

@@ -17,7 +17,7 @@ use crate::output::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogShow {
-    /// The log, written by `run` or `sim --log`
+    /// The log, written by `run`, `fly` or `sim --log`
     #[arg(value_name = "DIVE.mcap")]
     file: PathBuf,
     /// Print only the lines that name this plugin: what it logged, its requests and what became of them, its failures

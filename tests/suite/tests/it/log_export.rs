@@ -282,12 +282,12 @@ fn what_cannot_be_exported_gets_one_line_and_changes_nothing() {
         (
             "notes.txt",
             &["--to", "kml", "--out", "map.kml"],
-            "error: notes.txt: is not an MCAP file: expected the log of a run, written by `run` or `sim --log`",
+            "error: notes.txt: is not an MCAP file: expected the log of a run, written by `run`, `fly` or `sim --log`",
         ),
         (
             "thesis",
             &["--to", "kml", "--out", "map.kml"],
-            "error: thesis: is a folder: expected the log of a run, written by `run` or `sim --log`",
+            "error: thesis: is a folder: expected the log of a run, written by `run`, `fly` or `sim --log`",
         ),
         (
             "dive.mcap",

@@ -56,7 +56,8 @@ pub(crate) struct Tracker {
     flaw: Option<Flaw>,
     /// The time of the last solution whose velocities came.
     completed: Option<TimeOfDay>,
-    /// When the first sample came whose velocities are still missing.
+    /// When the first sample came whose velocities are still missing. This is by our own clock, so it stays if the
+    /// vehicle's is set.
     incomplete_since: Option<Timestamp>,
     lock: Option<(BottomLock, Timestamp)>,
     /// Since when navigation has been steady; `None` before the first sample of this connection, and after stale
@@ -106,6 +107,7 @@ impl Tracker {
     /// look like a clock that is slow.
     pub(crate) fn reset(&mut self) {
         self.leave_newest();
+        self.incomplete_since = None;
         self.lock = None;
         self.steady_since = None;
     }
@@ -113,7 +115,6 @@ impl Tracker {
     /// The next sample is the first again, except that it is compared with the last place.
     fn leave_newest(&mut self) {
         self.forget_window();
-        self.incomplete_since = None;
         let last = self.newest.take();
         // The place is kept with the time when it came: the time of its solution depends on the vehicle's clock, which
         // may have been set.
@@ -180,10 +181,7 @@ impl Tracker {
             self.jumped_at = Some(now);
             self.forget_window();
         }
-        if self.newest.as_ref().is_none_or(|last| last.complete) {
-            self.incomplete_since = Some(now);
-        }
-        let without = self.incomplete_since.map_or(Duration::ZERO, |since| now.since(since));
+        let without = now.since(*self.incomplete_since.get_or_insert(now));
         if without > self.integrity.velocity_gap_max() && is_on(Check::VelocityPresent) {
             let text = format!("none for {:.1} s", without.as_secs_f64());
             self.flaw = Some(Flaw {

@@ -216,3 +216,33 @@ fn sr_024_missing_velocities_are_subscribed_again() {
     trial.run_for(15.0);
     assert!(trial.core.has_control());
 }
+
+/// The vehicle's clock is set while velocities are missing, and core notices that before it misses them. The time
+/// without velocities goes on by our own clock.
+#[test]
+fn sr_024_velocities_are_missing_over_a_step_of_the_vehicles_clock_too() {
+    let mut trial = Trial::steering();
+    trial.script(0, |_| (Duration::from_millis(1), Ok(vec![Request::Modify(modify(1))])));
+    trial.run_for(5.0);
+    let began = trial.now;
+    trial.vehicle.bend = Some(Box::new(move |now: Timestamp, _: &mut _, _: &mut _| {
+        now.since(began) >= Duration::from_millis(2150)
+    }));
+    trial.run_for(0.9);
+    trial.vehicle.clock_nanos += 88_000_000_000;
+    trial.run_for(40.0);
+    let ended = *trial.sent_since("EMB", began).first().unwrap();
+    assert!(
+        ended.since(began) < Duration::from_millis(1500),
+        "the step was noticed before velocities were missed: {ended}"
+    );
+    let again = *trial
+        .sent_since("RMB", ended + Duration::from_millis(1))
+        .first()
+        .expect("it steers again");
+    let after_s = again.since(began).as_secs_f64();
+    assert!(
+        after_s >= 2.05 + 10.0,
+        "{after_s} s after velocities began to be missing"
+    );
+}

@@ -68,7 +68,7 @@ causes! {
     NotNormal "not-normal" NotAnswered "the vehicle has not said whether it is normal again";
     NotRefreshed "not-refreshed" Late "it was not refreshed in time";
     NotTriggered "not-triggered" Late "not triggered within 5 s";
-    NotGoingOn "not-going-on" Late "its plugin did not say within 5 s that it goes on";
+    NotGoingOn "not-going-on" Late "its plugin did not confirm within 5 s that it still triggers";
     NotCeased "not-ceased" Late "the vehicle stopped it, and its plugin did not answer within 1 s";
     WokeLate "woke-late" Late "the runtime woke late";
     NotSent "not-sent" Link "it could not be sent";

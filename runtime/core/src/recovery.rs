@@ -263,7 +263,7 @@ impl Whereabouts {
                 if !self.cancel_for_recovery(cx, capabilities, orders) {
                     note(
                         cx,
-                        "an insert is kept, because the way without it is refused: the next step follows".to_owned(),
+                        "an insert is kept, because the way without it would be refused: the recovery goes on with its next step".to_owned(),
                     );
                     self.take_step(cx, capabilities, orders);
                 }

@@ -218,7 +218,7 @@ fn sr_017_a_triggering_plugin_must_confirm_within_every_5_s() {
     assert_eq!(said(&trial), [(1, 0), (1, 1)], "a repetition is not sent");
     let last = trial.now;
     trial.run_for(5.0);
-    ended(&trial, "its plugin did not say within 5 s that it goes on");
+    ended(&trial, "its plugin did not confirm within 5 s that it still triggers");
     let over = *trial.sent("DVR").last().unwrap();
     assert!(over <= last + Duration::from_secs(5) && said(&trial).last() == Some(&(0, 0)));
 }

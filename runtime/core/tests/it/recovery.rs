@@ -179,7 +179,7 @@ fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_stays_and_the_next_step
     );
     assert_eq!(trial.commands("RCN").len(), 1);
     let step = said_of(&trial, "inserts are cancelled");
-    assert_eq!(said_of(&trial, "the way without it is refused"), step);
+    assert_eq!(said_of(&trial, "the way without it would be refused"), step);
     assert_eq!(said_of(&trial, "the topside is told"), step);
 }
 
@@ -374,6 +374,6 @@ fn sr_020_a_fail_action_keeps_an_insert_whose_cancel_would_leave_a_worse_way() {
     trial.fail(1, backseat_core::plugin::FaultKind::Error);
     trial.run_for(5.0);
     assert!(trial.commands("RCN").is_empty());
-    let told = |(_, note): (Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("the way without it is refused"));
+    let told = |(_, note): (Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("the way without it would be refused"));
     assert!(trial.notes().into_iter().any(told));
 }

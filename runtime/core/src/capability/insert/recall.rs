@@ -69,7 +69,7 @@ impl Inserts {
                 all = false;
                 cx.note(Note::Text {
                     text: format!(
-                        "insert {insert} is not cancelled, because the way without it is refused: {}",
+                        "insert {insert} is not cancelled, because the way without it would be refused: {}",
                         refusal.detail()
                     ),
                 });

@@ -10,7 +10,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use backseat_core::Start;
 use backseat_mission::Mission;
-use backseat_mvc::Status as MissionStatus;
+use backseat_mvc::{Mvc, Status as MissionStatus};
 use backseat_plugin_host::Host;
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::read;
@@ -27,6 +27,7 @@ use crate::external::Ports;
 use crate::fly::status::Screen;
 use crate::fly::watch::{Flight, Watch};
 use crate::map::open;
+use crate::mvc::operator::Lines;
 use crate::mvc::server::Service;
 use crate::mvc::status::Status;
 use crate::mvc::{VehicleArguments, seconds};
@@ -188,10 +189,12 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
             controller,
             clock,
             speed: Speed::Times(1.0),
+            wait: 0,
             end: None,
             log: None,
             status: Status::quiet(),
-            spectator: Some(spectator(Arc::clone(&flight), end, arguments.duration)),
+            spectators: vec![Box::new(spectator(Arc::clone(&flight), end, arguments.duration))],
+            operator: Lines::none(),
         };
         // The runtime ends first, so that the vehicle hears its last words.
         let driven = async {
@@ -207,7 +210,7 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
         Ok::<_, anyhow::Error>((served?, flight, clock.elapsed(), screen.real()))
     });
     drop(within);
-    let (vehicle, flight, elapsed, real) = flight?;
+    let ((vehicle, _), flight, elapsed, real) = flight?;
     let outcome = match vehicle.mission_status() {
         MissionStatus::Completed => "completed",
         MissionStatus::Aborted | MissionStatus::Stopped => "aborted",
@@ -248,11 +251,11 @@ fn log_path(path: &Path, mission: &Mission) -> PathBuf {
 }
 
 /// Sees the vehicle, and ends the flight some time after its mission, or when its time is over.
-fn spectator(flight: Arc<Flight>, end: oneshot::Sender<()>, duration: Option<f64>) -> crate::mvc::server::Spectator {
+fn spectator(flight: Arc<Flight>, end: oneshot::Sender<()>, duration: Option<f64>) -> impl FnMut(&Mvc) {
     let mut end = Some(end);
     let mut ends_at = duration.map(|seconds| Timestamp::ZERO + Duration::from_secs_f64(seconds));
     let mut over = false;
-    Box::new(move |vehicle| {
+    move |vehicle| {
         let truth = vehicle.truth();
         if vehicle.mission_over() && !std::mem::replace(&mut over, true) {
             let aftermath = truth.time + AFTERMATH;
@@ -265,7 +268,7 @@ fn spectator(flight: Arc<Flight>, end: oneshot::Sender<()>, duration: Option<f64
             let _gone = end.send(());
         }
         flight.seen(vehicle, &truth);
-    })
+    }
 }
 
 fn print_report(report: &Report, log: &Path) -> Result<()> {

@@ -42,6 +42,16 @@ pub enum MvcError {
         /// The key, what is wrong and what was expected.
         fault: String,
     },
+    /// A rule of a script with a missing, superfluous or invalid key.
+    #[error("line {line}: rule {number}: {fault}")]
+    Rule {
+        /// Line in the file where the rule begins, from 1.
+        line: usize,
+        /// Its number in the file, from 1.
+        number: u32,
+        /// The key, what is wrong and what was expected.
+        fault: String,
+    },
     /// The world cannot be made from the file.
     #[error(transparent)]
     World(#[from] WorldError),

@@ -26,6 +26,7 @@ use crate::interpretation::Interpretation;
 use crate::plan::course::{Course, SURFACED_M};
 use crate::plan::insert::Insert;
 use crate::plan::{PayloadText, PlanItem};
+use crate::script::ControlOrder;
 use crate::truth::Activity;
 use crate::vehicle::Vertical;
 use crate::vehicle::performance::Performance;
@@ -78,6 +79,8 @@ pub(crate) struct Executive {
     control: bool,
     /// Control is denied, whatever the plan allows.
     control_denied: bool,
+    /// What a rule or the operator has ordered about control.
+    control_order: ControlOrder,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -154,6 +157,7 @@ impl Executive {
             modify_refused: None,
             control: false,
             control_denied: false,
+            control_order: ControlOrder::Plan,
         }
     }
 
@@ -179,6 +183,11 @@ impl Executive {
     /// Sets whether control is denied although the plan allows it. It takes effect in the next step.
     pub(crate) const fn deny_control(&mut self, denied: bool) {
         self.control_denied = denied;
+    }
+
+    /// Sets what decides about control from now on. It takes effect in the next step.
+    pub(crate) const fn order_control(&mut self, order: ControlOrder) {
+        self.control_order = order;
     }
 
     /// The vehicle ends a mission that is running or waiting to start.
@@ -341,7 +350,11 @@ impl Executive {
 
     /// The value of "allowDynamicRequests" (SPI 6.24, 7.5).
     fn allows_dynamic_requests(&self, now: Timestamp) -> bool {
-        let whole = self.empty || self.limits.control == ControlWindow::Mission;
+        let whole = match self.control_order {
+            ControlOrder::Take => return false,
+            ControlOrder::Give => true,
+            ControlOrder::Plan => self.empty || self.limits.control == ControlWindow::Mission,
+        };
         self.is_running()
             && (whole
                 || self

@@ -11,6 +11,7 @@ mod mission;
 mod mission_command;
 mod power;
 mod roles;
+mod script;
 mod sensors;
 mod silence;
 mod spi;
@@ -32,6 +33,7 @@ pub use expect::{
     ContactsExpectation, ContourExpectation, CoverageExpectation, Expectations, MaximumExpectation, MeasureExpectation,
     SidescanName, TargetKinds,
 };
+pub(crate) use faults::FAULTS_MAX;
 pub use faults::{DirectionName, FaultEntry, FaultFile, FaultName, SensorName, StageName};
 pub use hovering::{HoveringConfig, ShipConfig, ShipSide};
 pub use interpretation::{
@@ -44,6 +46,7 @@ pub use mission_command::MissionCommandConfig;
 pub use power::PowerConfig;
 pub(crate) use power::SHUTDOWN_NOTICE;
 pub use roles::{RoleConfig, RoleError, WithoutRole};
+pub use script::{BeganName, ControlName, MessageEntry, OrderEntry, RuleEntry, ScriptFile, WhenEntry};
 pub(crate) use sensors::COMPASSES_MAX;
 pub use sensors::{
     CompassConfig, DepthSensorConfig, DvlConfig, FixConfig, GpsConfig, ImuConfig, InsConfig, SensorConfig, SoundConfig,

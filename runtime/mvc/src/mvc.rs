@@ -2,9 +2,11 @@
 
 mod commands;
 mod faults;
+mod orders;
 mod steps;
 
 use core::time::Duration;
+use std::collections::VecDeque;
 use std::net::SocketAddr;
 
 use backseat_units::{EastNorth, LocalFrame, Position, Timestamp, Utc};
@@ -14,10 +16,12 @@ use crate::context::North;
 use crate::error::MvcError;
 use crate::event::{ClientId, DropReason, MvcEvent, Status};
 use crate::executive::mission::Mission;
+use crate::faults::Fault;
 use crate::faults::timeline::Timeline;
 use crate::file::{MotionModel, WorldFile};
 use crate::interpretation::Interpretation;
 use crate::plan::soundings;
+use crate::script::rules::Rules;
 use crate::sensors::{Sensors, true_heading};
 use crate::server::{Received, Server};
 use crate::services::Services;
@@ -40,6 +44,9 @@ pub struct Mvc {
     services: Services,
     server: Server,
     faults: Timeline,
+    rules: Rules,
+    /// Faults of links that orders have begun, for the driver.
+    link_faults: VecDeque<Fault>,
     period: Duration,
     ticks: u64,
     next_tick: Timestamp,
@@ -98,6 +105,8 @@ impl Mvc {
             services,
             server: Server::new(file, &interpretation, seed),
             faults: Timeline::new(&file.faults)?,
+            rules: Rules::default(),
+            link_faults: VecDeque::new(),
             interpretation,
             vehicle,
             north,
@@ -148,6 +157,7 @@ impl Mvc {
             self.server.cut_off(client, DropReason::PowerOff);
         }
         self.settle(now);
+        self.fire(now);
     }
 
     /// A client's connection is gone. The mock forgets the client's subscriptions and what it had still to send to it.
@@ -174,11 +184,14 @@ impl Mvc {
         for chunk in bytes.chunks(CHUNK) {
             self.server.push(client, chunk);
             while let Some(received) = self.server.next_received(client) {
+                let name = received.name();
                 match received {
                     Received::Command(command) => self.command(now, client, command),
                     Received::Malformed(name, text) => self.server.malformed(now, client, name, text.as_str()),
                 }
                 self.settle(now);
+                self.see_command(now, name);
+                self.fire(now);
             }
         }
         self.server.note_ignored(now, client);
@@ -188,7 +201,7 @@ impl Mvc {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
         let lapses = self.mission.lapses_at().unwrap_or(self.next_tick);
-        Some(self.next_tick.min(lapses).min(self.next_fault()))
+        Some(self.next_tick.min(lapses).min(self.next_fault()).min(self.rules.next()))
     }
 
     /// Takes every step of the vehicle that is due. A late call takes all of them, each at its own time, so a call that
@@ -196,15 +209,22 @@ impl Mvc {
     pub fn handle_timeout(&mut self, now: Timestamp) {
         loop {
             let fault = self.next_fault();
-            let first = fault.min(self.mission.lapses_at().unwrap_or(Timestamp::MAX));
+            let rule = self.rules.next();
+            let first = fault.min(rule).min(self.mission.lapses_at().unwrap_or(Timestamp::MAX));
             if fault <= now && fault == first && fault <= self.next_tick {
                 self.step_faults(fault);
+                self.observe();
+                continue;
+            }
+            if rule <= now && rule == first && rule <= self.next_tick {
+                self.fire(rule);
                 continue;
             }
             // A modify and a suspension lapse on time and not at the next step: SPI 7.12 and 8.1 promise 5 s and 2 s.
             if let Some(at) = self.mission.lapses_at().filter(|at| *at <= now.min(self.next_tick)) {
                 self.mission.lapse(at);
                 self.settle(at);
+                self.observe();
                 continue;
             }
             if self.next_tick > now {
@@ -215,6 +235,7 @@ impl Mvc {
             self.next_tick = tick + self.period;
             self.last_tick = tick;
             self.tick(tick);
+            self.observe();
         }
     }
 

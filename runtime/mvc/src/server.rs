@@ -25,6 +25,7 @@ use crate::faults::FaultKind;
 use crate::file::{Profile, WorldFile};
 use crate::interpretation::Interpretation;
 use crate::plan::insert::Insert;
+use crate::script::rules::Seen;
 
 pub(crate) use self::clients::Received;
 
@@ -40,6 +41,8 @@ pub(crate) struct Server {
     profile: Profile,
     /// Clients that have been cut off, and of which the rest of the vehicle does not know yet.
     left: Vec<ClientId>,
+    /// What rules of a script may wait for, since they were told last.
+    seen: Vec<(Timestamp, Seen)>,
 }
 
 impl Server {
@@ -53,6 +56,7 @@ impl Server {
             version: Text::cleaned(&file.spi.version),
             profile: file.spi.profile,
             left: Vec::new(),
+            seen: Vec::new(),
         }
     }
 
@@ -162,7 +166,17 @@ impl Server {
     }
 
     pub(crate) fn note(&mut self, at: Timestamp, kind: MvcEventKind) {
+        if let MvcEventKind::BehaviorBegan(behavior) = kind {
+            self.seen.push((at, Seen::Began(behavior)));
+        } else if let MvcEventKind::Connected(_) = kind {
+            self.seen.push((at, Seen::Connected));
+        }
         self.log.note(at, kind);
+    }
+
+    /// Removes and returns what rules of a script may wait for, in order.
+    pub(crate) fn take_seen(&mut self) -> Vec<(Timestamp, Seen)> {
+        core::mem::take(&mut self.seen)
     }
 
     /// Whether any client has switched on one of these.

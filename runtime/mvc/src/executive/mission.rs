@@ -11,6 +11,7 @@ use crate::event::{ClientId, Status};
 use crate::file::WorldFile;
 use crate::interpretation::Interpretation;
 use crate::plan::{GpsTimes, PlanItem};
+use crate::script::ControlOrder;
 use crate::truth::Activity;
 use crate::vehicle::{Drive, HoverDemand};
 
@@ -82,6 +83,11 @@ impl Mission {
     /// Whether control is withheld though the plan allows it; the next step acts on it.
     pub(crate) const fn deny_control(&mut self, denied: bool) {
         self.executive.deny_control(denied);
+    }
+
+    /// What decides about control from now on; the next step acts on it.
+    pub(crate) const fn order_control(&mut self, order: ControlOrder) {
+        self.executive.order_control(order);
     }
 
     /// The vehicle ends a mission that is running or waiting to start.

@@ -21,6 +21,16 @@ pub(crate) enum Received {
     Malformed(CommandName, Text),
 }
 
+impl Received {
+    /// The command's name; [`CommandName::NAK`] for a sentence that is no command.
+    pub(crate) fn name(&self) -> CommandName {
+        match self {
+            Self::Command(command) => CommandName::new(command.name()).unwrap_or(CommandName::NAK),
+            Self::Malformed(name, _) => *name,
+        }
+    }
+}
+
 #[derive(Debug)]
 struct Client {
     id: ClientId,

@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Read, Stdin};
 use std::thread;
 use std::time::Duration;
 
-use rustix::event::{PollFd, PollFlags, poll};
+use rustix::io::ioctl_fionread;
 use rustix::process::getpgrp;
 use rustix::termios::tcgetpgrp;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
@@ -16,8 +16,8 @@ use crate::clock::pause;
 const LINES_MAX: usize = 16;
 /// A longer line is cut.
 const LINE_MAX: usize = 4096;
-/// How often a program in the background looks whether it is in the foreground again.
-const LOOKS_EVERY: Duration = Duration::from_millis(300);
+/// How often the thread looks whether a line has been typed on a terminal.
+const LOOKS_EVERY: Duration = Duration::from_millis(100);
 
 /// The lines from standard input, read by a thread of their own. They may end at any time, and may never come.
 #[derive(Debug)]
@@ -83,16 +83,10 @@ fn read(mut stdin: Stdin, lines: &Sender<String>) {
     }
 }
 
-/// Whether something has been typed on the terminal, for us. To read as a job in the background would stop the whole
-/// program (SIGTTIN).
+/// Whether a line has been typed on the terminal, for us. To read as a job in the background would stop the whole
+/// program (SIGTTIN), also if it came there while it was reading.
 fn is_ours(stdin: &Stdin) -> bool {
-    let in_foreground = || tcgetpgrp(stdin).is_ok_and(|group| group == getpgrp());
-    let looks = rustix::time::Timespec {
-        tv_sec: 0,
-        tv_nsec: i64::try_from(LOOKS_EVERY.as_nanos()).unwrap_or(0),
-    };
-    let mut waits = [PollFd::new(stdin, PollFlags::IN)];
-    in_foreground() && poll(&mut waits, Some(&looks)).is_ok_and(|ready| ready > 0) && in_foreground()
+    tcgetpgrp(stdin).is_ok_and(|group| group == getpgrp()) && ioctl_fionread(stdin).is_ok_and(|typed| typed > 0)
 }
 
 /// Cuts what is read into lines.

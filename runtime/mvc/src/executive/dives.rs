@@ -74,7 +74,8 @@ impl LoadableDive {
     }
 }
 
-fn running(log_dir: &str) -> Text {
+/// The status text of BFMIS while a mission with this logging directory runs.
+pub(super) fn running(log_dir: &str) -> Text {
     let running = format!("{} {log_dir}", Status::Running.name());
     Text::cleaned(running.trim_end())
 }

@@ -5,7 +5,7 @@ use backseat_units::{EastNorth, Timestamp};
 use backseat_world::Stream;
 
 use super::Executive;
-use super::dives::{Dives, LoadableDive};
+use super::dives::{Dives, LoadableDive, running};
 use super::schedule::Schedule;
 use crate::context::Context;
 use crate::event::{ClientId, Status};
@@ -23,6 +23,8 @@ pub(crate) struct Mission {
     pub(super) dive_file: Text,
     /// The status text of BFMIS while the mission runs.
     pub(super) running: Text,
+    /// The same while an empty mission runs.
+    pub(super) running_empty: Text,
     pub(super) empty_allowed: bool,
     /// How long a GPS hit takes.
     pub(super) gps: GpsTimes,
@@ -43,9 +45,9 @@ impl Mission {
         let mut dives = Dives::new(dives, file);
         let status = dives.status_at_start();
         let mut executive = Executive::new(config, &file.vehicle, interpretation, period, status);
-        let (mut dive_file, mut running) = (Text::default(), Text::default());
+        let mut dive_file = Text::default();
         if let Some(dive) = dives.loaded_from_the_start() {
-            (dive_file, running) = (dive.file.clone(), dive.running.clone());
+            dive_file = dive.file.clone();
             executive.load(dive, Timestamp::ZERO);
             // Nobody hears of what happened before the start.
             executive.take_log();
@@ -53,7 +55,8 @@ impl Mission {
         Self {
             executive,
             dive_file,
-            running,
+            running: running(&config.log_dir),
+            running_empty: running(&config.log_dir),
             empty_allowed: config.empty_allowed,
             gps: GpsTimes {
                 fix: Duration::from_secs_f64(fix_s),

@@ -118,6 +118,7 @@ impl Mission {
 
     fn status_message(&self, ctx: &Context<'_>, status: Status, details: &str) -> FromVehicle {
         let text = match status {
+            Status::Running if self.executive.is_empty_mission() => self.running_empty.clone(),
             Status::Running => self.running.clone(),
             Status::Offline
             | Status::Waiting

@@ -5,6 +5,7 @@ use backseat_core::Note;
 use backseat_core::plugin::Request;
 use backseat_mvc::Status;
 use backseat_pair::{Dive, Setup, line, modify};
+use backseat_units::Timestamp;
 
 /// The first dive flies the course. The operator ends it after a minute, and half a minute later the second starts, with
 /// a line 150 m further to the north.
@@ -34,13 +35,14 @@ fn setup() -> Setup {
     }
 }
 
-/// The statuses that core has heard.
+/// The status that core has heard, if it is that.
+fn status((_, note): &(Timestamp, Note)) -> Option<&str> {
+    let Note::Mission { status } = note else { return None };
+    Some(status.as_str())
+}
+
 fn statuses(dive: &Dive) -> Vec<&str> {
-    let status = |note| match note {
-        &Note::Mission { ref status } => Some(status.as_str()),
-        _ => None,
-    };
-    dive.notes.iter().filter_map(|(_, note)| status(note)).collect()
+    dive.notes.iter().filter_map(status).collect()
 }
 
 fn second_runs(dive: &Dive) -> bool {
@@ -50,7 +52,7 @@ fn second_runs(dive: &Dive) -> bool {
 #[test]
 fn sr_025_core_steers_in_the_second_dive_after_it_has_asked_for_its_plan() {
     let mut dive = Dive::under_way(setup());
-    dive.ask(Request::Modify(modify(1, 90.0, 300)));
+    dive.ask(Request::Modify(modify(1, 90.0, 60)));
     dive.run_for(20.0);
     assert!(dive.core.is_steering());
     let plans = dive.count("$BPRMP");
@@ -124,5 +126,5 @@ fn sr_025_nothing_steers_under_a_dive_that_cannot_start() {
     );
     dive.ask(Request::Modify(modify(2, 0.0, 60)));
     dive.run_for(2.0);
-    assert_eq!(dive.states(2), ["sent", "accepted"]);
+    assert_eq!(dive.states(2), ["sent", "accepted"], "{:#?}", dive.notes);
 }

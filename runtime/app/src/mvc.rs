@@ -2,6 +2,7 @@
 
 mod bar;
 mod connection;
+mod draws;
 pub(crate) mod log;
 pub(crate) mod operator;
 pub(crate) mod server;
@@ -88,7 +89,7 @@ pub(crate) struct Mvc {
 /// The arguments of all commands that fly the mock vehicle in real time.
 #[derive(Debug, Args)]
 pub(crate) struct VehicleArguments {
-    /// Which status messages are on from the start [default: as in world.toml]
+    /// What the vehicle's side of the interface is like, whatever world.toml says [default: as in world.toml]
     #[arg(long)]
     pub(crate) profile: Option<Profile>,
     /// When the payload has control, instead of [mission] control in world.toml
@@ -111,6 +112,7 @@ impl VehicleArguments {
         match self.profile {
             Some(Profile::Spec) => scenario.world.spi.profile = backseat_mvc::Profile::Spec,
             Some(Profile::Field) => scenario.world.spi.profile = backseat_mvc::Profile::Field,
+            Some(Profile::Sandshark) => scenario.world.like_sandshark(),
             None => {}
         }
         match self.control {
@@ -123,7 +125,10 @@ impl VehicleArguments {
             .vehicle(self.seed)
             .with_context(|| format!("{}", scenario.path.display()))?;
         if let Some(script) = script {
-            vehicle.set_script(script);
+            let path = self.script.as_deref().unwrap_or(std::path::Path::new(""));
+            vehicle
+                .set_script(script)
+                .with_context(|| format!("{}", path.display()))?;
         }
         let faults = match &self.faults {
             Some(path) => {
@@ -143,6 +148,9 @@ pub(crate) enum Profile {
     Spec,
     /// As real vehicles do: CTL and MIS are on
     Field,
+    /// As recordings of a Sandshark show it: BFVER 1.11, CTL and MIS on, a blank line after each sentence, NAK for broken
+    /// lines, BPLOG,ALL for navigation alone, a clock hours away
+    Sandshark,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -159,6 +167,7 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
         scenario.world.spi.roles.clone_from(&arguments.iprole);
     }
     let (vehicle, faults) = arguments.vehicle.vehicle(&mut scenario)?;
+    draws::tell(&vehicle, &scenario.world.interpretation, arguments.vehicle.seed);
     let log = match &arguments.log {
         Some(path) => Some(Log::create(path)?),
         None => None,

@@ -149,8 +149,13 @@ pub enum MvcEventKind {
         by: Orderer,
         /// What, in words.
         order: Box<str>,
-        /// Why the vehicle does not do it; `None` if it does.
-        refused: Option<&'static str>,
+    },
+    /// The vehicle did not do what was ordered last.
+    NotDone {
+        /// Who had ordered it.
+        by: Orderer,
+        /// Why.
+        why: Box<str>,
     },
     /// Silent mode.
     Silence(SilenceEvent),
@@ -230,16 +235,8 @@ impl fmt::Display for MvcEventKind {
             Self::Grounded => f.write_str("the vehicle touched the seabed"),
             Self::Hovering(event) => event.fmt(f),
             Self::Fault(fault) => fault.fmt(f),
-            Self::Ordered {
-                by,
-                order,
-                refused: None,
-            } => write!(f, "{by}: {order}"),
-            Self::Ordered {
-                by,
-                order,
-                refused: Some(why),
-            } => write!(f, "{by}: {order}: not done, {why}"),
+            Self::Ordered { by, order } => write!(f, "{by}: {order}"),
+            Self::NotDone { by, why } => write!(f, "{by}: not done: {why}"),
             Self::Silence(event) => event.fmt(f),
             Self::Adjustment(event) => event.fmt(f),
             Self::DvlTrigger(event) => event.fmt(f),

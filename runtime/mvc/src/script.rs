@@ -38,6 +38,8 @@ pub struct Script {
 /// One rule of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rule {
+    /// The line of the file in which it begins, from 1.
+    pub line: usize,
     /// What it waits for.
     pub when: Trigger,
     /// For which time of that: 1 is the first. Without meaning for [`Trigger::At`].
@@ -90,7 +92,13 @@ pub enum Order {
         /// The role of the client that gets it (SPI 4.1); `None` for every client.
         role: Option<String>,
     },
-    /// The mission is aborted, with its wrap-up if it has one.
+    /// The dive with this name is loaded ([`crate::Mvc::load_dive`]).
+    Load(Text),
+    /// The dive that is ready starts ([`crate::Mvc::start_dive`]).
+    Start,
+    /// The dive that runs ends as successful ([`crate::Mvc::end_dive`]).
+    End,
+    /// The dive that runs is aborted ([`crate::Mvc::abort_dive`]).
     Abort,
     /// BFSHT comes (SPI 5.2), and a minute later the payload's power goes off.
     Shutdown,

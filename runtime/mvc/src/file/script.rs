@@ -79,10 +79,16 @@ pub enum BeganName {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OrderEntry {
-    /// The mission is aborted.
+    /// The dive that is ready starts.
+    Start,
+    /// The dive that runs ends as successful.
+    End,
+    /// The dive that runs is aborted.
     Abort,
     /// BFSHT comes, and a minute later the payload's power goes off.
     Shutdown,
+    /// The dive with this name is loaded.
+    Load(String),
     /// A fault begins: the keys of a fault without `at_s`.
     Fault(Box<FaultEntry>),
     /// Whether the payload has control.
@@ -137,7 +143,7 @@ impl ScriptFile {
         let rules = numbered.map(|(number, entry)| {
             let before = text.get(..entry.span().start).unwrap_or_default();
             let line = before.matches('\n').count() + 1;
-            let rule = entry.get_ref().rule();
+            let rule = entry.get_ref().rule(line);
             rule.map_err(|fault| MvcError::Rule { line, number, fault })
         });
         Ok(Script {
@@ -147,7 +153,7 @@ impl ScriptFile {
 }
 
 impl RuleEntry {
-    fn rule(&self) -> Result<Rule, String> {
+    fn rule(&self, line: usize) -> Result<Rule, String> {
         let when = self.when.trigger()?;
         if let Trigger::At(_) = when {
             for (key, is_there) in [("nth", self.nth.is_some()), ("again", self.again.is_some())] {
@@ -161,6 +167,7 @@ impl RuleEntry {
             return Err(format!("nth is {nth}, expected 1 to {NTH_MAX}"));
         }
         Ok(Rule {
+            line,
             when,
             nth,
             again: self.again.unwrap_or(false),
@@ -220,6 +227,9 @@ impl OrderEntry {
     /// The key, what is wrong and what was expected.
     pub(crate) fn order(&self) -> Result<Order, String> {
         Ok(match self {
+            Self::Load(dive) => Order::Load(said("load", dive)?),
+            Self::Start => Order::Start,
+            Self::End => Order::End,
             Self::Abort => Order::Abort,
             Self::Shutdown => Order::Shutdown,
             Self::Fault(entry) => Order::Fault(entry.untimed()?),

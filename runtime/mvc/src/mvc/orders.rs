@@ -1,24 +1,41 @@
 use backseat_units::Timestamp;
 
 use super::Mvc;
-use crate::event::{MvcEventKind, Status};
+use crate::error::{MvcError, OrderError};
+use crate::event::MvcEventKind;
 use crate::faults::{Fault, FaultKind};
-use crate::file::SHUTDOWN_NOTICE;
+use crate::file::{FAULTS_MAX, SHUTDOWN_NOTICE};
 use crate::script::rules::{Rules, Seen};
 use crate::script::{Order, Orderer, Script};
 
 /// Carries out what the script or the operator orders.
 impl Mvc {
     /// Gives this run a script, which replaces the one that it has. Rules with a time that is over act at once.
-    pub fn set_script(&mut self, script: Script) {
+    ///
+    /// # Errors
+    /// [`MvcError::Rule`] if a rule loads a dive that the vehicle does not have. The run then keeps its old script.
+    pub fn set_script(&mut self, script: Script) -> Result<(), MvcError> {
+        for (number, rule) in (1..).zip(&script.rules) {
+            if let Order::Load(dive) = &rule.order
+                && !self.dives().any(|known| known == dive.as_str())
+            {
+                let known: Vec<String> = self.dives().map(|known| format!("`{known}`")).collect();
+                return Err(MvcError::Rule {
+                    line: rule.line,
+                    number,
+                    fault: format!("no dive is named `{dive}`, expected one of {}", known.join(", ")),
+                });
+            }
+        }
         self.rules = Rules::new(script);
+        Ok(())
     }
 
     /// The operator of the mock orders something now. It acts after everything that is due by `now`.
     ///
     /// # Errors
-    /// Why the vehicle does not do it, in words. The log has a line in either case.
-    pub fn order(&mut self, now: Timestamp, order: Order) -> Result<(), &'static str> {
+    /// [`OrderError`] in one line if the vehicle does not do it. The log has the order, and this line.
+    pub fn order(&mut self, now: Timestamp, order: Order) -> Result<(), OrderError> {
         self.handle_timeout(now);
         let done = self.carry_out(now, Orderer::Operator, order);
         self.fire(now);
@@ -54,20 +71,22 @@ impl Mvc {
         self.rules.see(now, Seen::Received(name));
     }
 
-    fn carry_out(&mut self, at: Timestamp, by: Orderer, order: Order) -> Result<(), &'static str> {
-        let may = self.may_carry_out(&order);
-        let (order_text, refused) = (Box::from(order.to_string()), may.err());
-        self.server.note(
-            at,
-            MvcEventKind::Ordered {
-                by,
-                order: order_text,
-                refused,
-            },
-        );
-        may?;
+    fn carry_out(&mut self, at: Timestamp, by: Orderer, order: Order) -> Result<(), OrderError> {
+        let text = Box::from(order.to_string());
+        self.server.note(at, MvcEventKind::Ordered { by, order: text });
+        let done = self.do_now(at, order);
+        if let Err(error) = &done {
+            let why = Box::from(error.to_string());
+            self.server.note(at, MvcEventKind::NotDone { by, why });
+        }
+        self.settle(at);
+        done
+    }
+
+    fn do_now(&mut self, at: Timestamp, order: Order) -> Result<(), OrderError> {
+        let mut parts = self.parts(at);
         match order {
-            Order::Fault(fault) => self.begin_fault(at, fault),
+            Order::Fault(fault) => self.begin_fault(at, fault)?,
             Order::Shutdown => self.begin_fault(
                 at,
                 Fault {
@@ -75,36 +94,28 @@ impl Mvc {
                     lasts: SHUTDOWN_NOTICE,
                     kind: FaultKind::Shutdown,
                 },
-            ),
-            Order::Control(control) => self.mission.order_control(control),
+            )?,
+            Order::Control(control) => parts.mission.order_control(control),
             Order::Topside { transport, text, role } => {
-                let mut parts = self.parts(at);
                 parts.services.topside.hear(&mut parts.ctx, transport, text, role);
             }
-            Order::Abort => self.mission.fail("aborted by the operator"),
+            Order::Load(dive) => parts.mission.load_dive(&mut parts.ctx, dive.as_str())?,
+            Order::Start => parts.mission.start_dive(&mut parts.ctx)?,
+            Order::End => parts.mission.end_dive(&mut parts.ctx)?,
+            Order::Abort => parts.mission.abort_dive(&mut parts.ctx)?,
         }
-        self.settle(at);
         Ok(())
     }
 
-    fn may_carry_out(&self, order: &Order) -> Result<(), &'static str> {
-        match order {
-            Order::Fault(_) | Order::Shutdown if self.faults.is_full() => Err("this run has had 100000 faults"),
-            Order::Abort => match self.mission.status() {
-                Status::Ready | Status::Running | Status::WrappingUp => Ok(()),
-                Status::Aborting | Status::Completed | Status::Aborted | Status::Stopped => {
-                    Err("no mission is running")
-                }
-            },
-            Order::Fault(_) | Order::Shutdown | Order::Control(_) | Order::Topside { .. } => Ok(()),
+    fn begin_fault(&mut self, at: Timestamp, fault: Fault) -> Result<(), OrderError> {
+        if self.faults.is_full() {
+            return Err(OrderError::Faults(FAULTS_MAX));
         }
-    }
-
-    fn begin_fault(&mut self, at: Timestamp, fault: Fault) {
         let fault = Fault { at, ..fault };
         if let FaultKind::Link(_) = fault.kind {
             self.link_faults.push_back(fault.clone());
         }
         self.begin_now(at, fault);
+        Ok(())
     }
 }

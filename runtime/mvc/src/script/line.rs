@@ -6,7 +6,7 @@ use super::{ControlOrder, Order};
 use crate::file::{FaultEntry, MessageEntry, OrderEntry};
 
 /// The commands, with what follows them and what they do.
-const COMMANDS: [(&str, &str, &str); 7] = [
+const COMMANDS: [(&str, &str, &str); 10] = [
     (
         "fault",
         "KIND KEY=VALUE...",
@@ -22,7 +22,14 @@ const COMMANDS: [(&str, &str, &str); 7] = [
         "TRANSPORT TEXT",
         "send BFTOP to every client by ethernet, wifi, rf-modem or acoustic-modem, as in `top acoustic-modem come home`",
     ),
-    ("abort", "", "abort the mission, with its wrap-up"),
+    (
+        "load",
+        "NAME",
+        "load the dive with this name (`dive.file` of world.toml)",
+    ),
+    ("start", "", "start the dive that is ready"),
+    ("end", "", "end the dive that runs, as successful"),
+    ("abort", "", "abort the dive that runs, or take back one that is ready"),
     (
         "shutdown",
         "",
@@ -73,6 +80,9 @@ impl OperatorLine {
             "fault" => Self::Order(fault(rest)?),
             "control" => Self::Order(Order::Control(control(rest)?)),
             "top" => Self::Order(topside(rest)?),
+            "load" => Self::Order(OrderEntry::Load(rest.to_owned()).order()?),
+            "start" => alone(Self::Order(Order::Start))?,
+            "end" => alone(Self::Order(Order::End))?,
             "abort" => alone(Self::Order(Order::Abort))?,
             "shutdown" => alone(Self::Order(Order::Shutdown))?,
             "status" => alone(Self::Status)?,
@@ -252,6 +262,7 @@ mod tests {
             ("top", "`acoustic-modem` and a text"),
             ("top wifi", "text is \"\", expected 1 to 200"),
             ("top wifi a,b", "without comma"),
+            ("load", "load is \"\", expected 1 to 200"),
             ("abort now", "`abort` is a command alone, without `now`"),
             ("\u{1b}[2J", "unknown command `?[2J`"),
         ] {

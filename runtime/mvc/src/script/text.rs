@@ -11,7 +11,7 @@ impl fmt::Display for Orderer {
     }
 }
 
-/// As the operator would type it, without the keys of a fault.
+/// What shall be the case.
 impl fmt::Display for Order {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -24,8 +24,11 @@ impl fmt::Display for Order {
             Self::Topside {
                 text, role: Some(role), ..
             } => write!(f, "message from the topside to {role}: {text}"),
-            Self::Abort => f.write_str("abort of the mission"),
-            Self::Shutdown => f.write_str("shutdown of the payload"),
+            Self::Load(dive) => write!(f, "dive {dive} loaded"),
+            Self::Start => f.write_str("dive started"),
+            Self::End => f.write_str("dive ended"),
+            Self::Abort => f.write_str("dive aborted"),
+            Self::Shutdown => f.write_str("payload shut down"),
         }
     }
 }

@@ -235,6 +235,14 @@ impl Simulation {
         self.mvc.set_faults(plan);
     }
 
+    /// Gives this run a script. Call it before the first [`Simulation::advance`].
+    ///
+    /// # Errors
+    /// [`MvcError`] with the rule's line, if it names a dive that the vehicle does not have.
+    pub fn set_script(&mut self, script: Script) -> Result<(), MvcError> {
+        self.mvc.set_script(script)
+    }
+
     /// Virtual time.
     #[must_use]
     pub const fn now(&self) -> Timestamp {

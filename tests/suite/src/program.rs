@@ -25,6 +25,7 @@ pub struct Backseat {
     stdout: Option<PathBuf>,
     stderr: Option<Stdio>,
     stdin: Vec<u8>,
+    typed: bool,
     file_max_kib: Option<u64>,
     for_sea: bool,
 }
@@ -97,6 +98,13 @@ impl Backseat {
         self
     }
 
+    /// Leaves its standard input open, for [`Process::types`].
+    #[must_use]
+    pub fn typed(mut self) -> Self {
+        self.typed = true;
+        self
+    }
+
     /// Limits the size of the files that it writes: later writes fail as on a full disk.
     #[must_use]
     pub fn file_max_kib(mut self, kib: u64) -> Self {
@@ -159,7 +167,8 @@ impl Backseat {
         command.env("BACKSEAT_PLUGINS", backseat_test_support::plugins());
         command.envs(self.environment);
         command.args(self.arguments);
-        Process::start(command, self.folder, self.stdout, self.stderr, &self.stdin)
+        let stdin = (!self.typed).then_some(&*self.stdin);
+        Process::start(command, self.folder, self.stdout, self.stderr, stdin)
     }
 }
 

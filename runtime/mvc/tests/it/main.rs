@@ -39,6 +39,7 @@ mod power;
 mod readings;
 mod reviewed;
 mod roles;
+mod scripts;
 mod sections;
 mod sensors;
 mod sentences;

@@ -11,6 +11,8 @@ mod heard;
 mod identifiers;
 mod judge;
 mod mvc;
+mod mvc_orders;
+mod mvc_start;
 mod operator;
 mod pages;
 mod plc;

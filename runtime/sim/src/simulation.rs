@@ -14,7 +14,7 @@ use std::time::Duration;
 use backseat_core::plugin::Rule;
 use backseat_core::{Envelope, Identifiers, RequestCounts, Reservation, Settings, Start};
 use backseat_mission::Mission;
-use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status};
+use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Script, Status};
 use backseat_oracle::{OracleError, State, Statistics};
 use backseat_plc::PlcError;
 use backseat_plugin_loader::Loaded;

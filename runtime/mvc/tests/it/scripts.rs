@@ -101,7 +101,7 @@ fn a_rule_waits_for_an_insert_to_begin() {
     let rules = "[[rule]]\nwhen = { began = \"insert\" }\nafter_s = 10\ndo = \"abort\"";
     let mut payload = with(CALM, rules, &["MBS", "MBE", "MIS"]);
     payload.until(5.0);
-    payload.say(&line(41, 10, 1));
+    payload.say(&line(41, 10, 4));
     payload.until(30.0);
     let heard = payload.heard();
     assert_eq!(course(&heard), ["+1", "-1", "+i41", "-i41"]);

@@ -123,7 +123,7 @@ fn it_leaves_a_map_and_the_truth_of_each_second() {
         .concat(),
     );
     let mut client = Client::connect(&vehicle.address);
-    client.say("$BPRTK,080000.000,7,4221.000,N,07042.2,W,4221.000,N,07042.0,W,0,8,1.5,0,1");
+    client.say("$BPRTK,080000.000,7,4221.000,N,07042.2,W,4221.000,N,07042.0,W,0,8,1.5,0,4");
     assert_eq!(vehicle.process.wait(SOON), Some(0));
     vehicle.process.says("map: ", SOON);
     let text = std::fs::read_to_string(truth).expect("it was written");

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use backseat_mvc::{LinkFaults, MvcEvent, RoleConfig};
 use backseat_scenario::{Scenario, read_faults, read_script};
 use backseat_units::Timestamp;
@@ -84,6 +84,13 @@ pub(crate) struct Mvc {
     /// End after this many seconds of the vehicle's time
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) duration: Option<f64>,
+}
+
+impl Mvc {
+    /// How many clients the vehicle's clock waits for.
+    fn wait(&self) -> u32 {
+        self.wait.unwrap_or(u32::from(self.speed == Speed::Max))
+    }
 }
 
 /// The arguments of all commands that fly the mock vehicle in real time.
@@ -166,6 +173,13 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
     if !arguments.iprole.is_empty() {
         scenario.world.spi.roles.clone_from(&arguments.iprole);
     }
+    let (wait, most) = (arguments.wait(), scenario.world.spi.clients_max);
+    if wait > most {
+        bail!(
+            "--wait {wait}: {} lets only {most} clients connect: raise [spi] clients_max",
+            scenario.path.display()
+        );
+    }
     let (vehicle, faults) = arguments.vehicle.vehicle(&mut scenario)?;
     draws::tell(&vehicle, &scenario.world.interpretation, arguments.vehicle.seed);
     let log = match &arguments.log {
@@ -213,7 +227,6 @@ async fn serve(
         }
     };
     let results = Results::of(arguments, clock, &vehicle)?;
-    let wait = arguments.wait.unwrap_or(u32::from(arguments.speed == Speed::Max));
     let service = Service {
         listener,
         vehicle,
@@ -221,7 +234,7 @@ async fn serve(
         controller,
         clock,
         speed: arguments.speed,
-        wait: usize::try_from(wait).unwrap_or(usize::MAX),
+        wait: usize::try_from(arguments.wait()).unwrap_or(usize::MAX),
         end: arguments
             .duration
             .map(|seconds| Timestamp::ZERO + Duration::from_secs_f64(seconds)),

@@ -22,6 +22,8 @@ const FAREWELL: Duration = Duration::from_millis(200);
 #[derive(Debug)]
 pub(super) struct Bar {
     shown: Arc<Shown>,
+    /// Standard input is a terminal too, on which an operator may type.
+    typed: bool,
     ended: Receiver<()>,
 }
 
@@ -47,17 +49,21 @@ impl Bar {
             // The program may not wait any more.
             let _late = end.send(());
         });
-        started.is_ok().then_some(Self { shown, ended })
+        let typed = std::io::stdin().is_terminal();
+        started.is_ok().then_some(Self { shown, typed, ended })
     }
 
-    pub(super) fn set(&self, doing: String, place: String) {
+    pub(super) fn set(&self, doing: String, mut place: String) {
+        if self.typed {
+            place.push_str(" | Enter: type a command");
+        }
         let mut lines = self.shown.lines.lock().unwrap_or_else(PoisonError::into_inner);
         *lines = (doing, place);
     }
 
-    /// Leaves the screen to the operator for some time, or takes it back.
+    /// Leaves the screen to an operator who types for some time, or takes it back.
     pub(super) fn prompt(&self, prompts: bool) {
-        self.shown.prompt.store(prompts, Ordering::Relaxed);
+        self.shown.prompt.store(prompts && self.typed, Ordering::Relaxed);
     }
 
     /// Clears the lines, if the terminal takes it.

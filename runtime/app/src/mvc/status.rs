@@ -96,10 +96,7 @@ impl Status {
         match &self.bar {
             Some(bar) => {
                 self.next = now + REDRAW_EVERY;
-                bar.set(
-                    self.doing(vehicle, clients),
-                    format!("{} | Enter: type a command", place(vehicle)),
-                );
+                bar.set(self.doing(vehicle, clients), place(vehicle));
             }
             None => {
                 self.next = now + LINE_EVERY;

@@ -414,4 +414,17 @@ fn a_place_without_a_world_is_one_line() {
         .run()
         .refusal();
     names(&bad, &["no/such/folder/truth.csv"]);
+    let many = Backseat::new()
+        .args(["mvc", "--listen", "127.0.0.1:0", "--wait", "17"])
+        .mission(&mission)
+        .run()
+        .refusal();
+    names(
+        &many,
+        &[
+            "--wait 17",
+            "world.toml lets only 16 clients connect",
+            "[spi] clients_max",
+        ],
+    );
 }

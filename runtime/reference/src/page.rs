@@ -79,6 +79,9 @@ fn section(text: &mut String, reference: &Reference, table: &str) {
         }
         for below in reference.within(&entry.key) {
             let _ = writeln!(text, "- `{{ {} = ... }}`: {}", below.name(), below.meaning);
+            for choice in &below.values {
+                let _ = writeln!(text, "  - `{}`: {}", choice.value, choice.meaning);
+            }
         }
     }
     // Of keys that may not stand together, the first; and nothing that needs the others.

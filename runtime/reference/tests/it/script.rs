@@ -13,8 +13,11 @@ fn reference() -> &'static Reference {
 fn read(document: &Table) -> Result<String, String> {
     match Script::from_toml(&toml::to_string(document).expect("documents are TOML")) {
         Ok(script) => Ok(format!("{script:?}")),
-        // The code's type has the time of a fault, and refuses it in a rule: see below.
-        Err(error) => Err(error.to_string().replace("`at_s`, `kind`", "`kind`")),
+        // The code's types also have the time of a fault and transports without a name, and refuse both in a rule.
+        Err(error) => Err(error
+            .to_string()
+            .replace("`at_s`, `kind`", "`kind`")
+            .replace(", `other`", "")),
     }
 }
 

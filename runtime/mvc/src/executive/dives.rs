@@ -171,10 +171,14 @@ impl Mission {
 
     /// The vehicle comes online, or loads the dive whose time has come.
     pub(super) fn step_dives(&mut self, now: Timestamp) {
-        if self.executive.status() == Status::Offline && now >= self.dives.online_at {
+        if self.executive.status() == Status::Offline {
+            if now < self.dives.online_at {
+                return;
+            }
             self.executive.set_status(Status::Waiting, "");
         }
         if !self.executive.status().is_free() {
+            self.dives.free_since = None;
             return;
         }
         if let Some((dive, due)) = self.dives.next_due(now) {

@@ -113,6 +113,27 @@ fn an_operator_who_loads_the_next_dive_loads_it_once() {
     assert_eq!((running("first.dive"), running("second.dive")), (1, 2), "{heard:#?}");
 }
 
+/// The time until the next dive is loaded begins when the empty mission is over.
+#[test]
+fn an_empty_mission_comes_before_the_dive_that_waits() {
+    let text = format!("{CALM}{TWO}").replace("starts_after_s = 1\n[", "empty_allowed = true\n[");
+    let text = text.replace("load_after_s = 1\n", "load_after_s = 8\n");
+    let mut payload = Payload::connected(&text, 1, &["MIS"]);
+    payload.until(5.0);
+    payload.say("$BPSEM,070000.000,20,2");
+    payload.until(40.0);
+    let heard = payload.heard();
+    assert_eq!(
+        heard[..3],
+        [
+            "$BFMIS,080005.000,,Running /logs/survey,",
+            "$BFMIS,080025.000,,Aborted,time limit",
+            "$BFMIS,080033.100,first.dive,Ready,",
+        ],
+        "{heard:#?}"
+    );
+}
+
 #[test]
 fn the_mission_s_own_dive_can_be_loaded_again_and_then_waits_for_its_start() {
     let mut payload = Payload::connected(CALM, 1, &["MIS"]);

@@ -107,7 +107,18 @@ fn a_world_is_enough_and_control_is_the_whole_mission_s_without_an_edit() {
 fn it_leaves_a_map_and_the_truth_of_each_second() {
     let mission = Mission::steady();
     let (map, truth) = (mission.beside("map.svg"), mission.beside("truth.csv"));
-    let flags = ["--speed", "max", "--duration", "120", "--control", "mission"];
+    let flags = [
+        "--speed",
+        "20",
+        "--wait",
+        "1",
+        "--duration",
+        "120",
+        "--control",
+        "mission",
+        "--profile",
+        "field",
+    ];
     let mut vehicle = Vehicle::start_with(
         &mission,
         "127.0.0.1:0",
@@ -123,6 +134,7 @@ fn it_leaves_a_map_and_the_truth_of_each_second() {
         .concat(),
     );
     let mut client = Client::connect(&vehicle.address);
+    client.hears("$BFCTL,080002.000,1");
     client.say("$BPRTK,080000.000,7,4221.000,N,07042.2,W,4221.000,N,07042.0,W,0,8,1.5,0,4");
     assert_eq!(vehicle.process.wait(SOON), Some(0));
     vehicle.process.says("map: ", SOON);

@@ -124,6 +124,8 @@ fn sr_025_nothing_steers_under_a_dive_that_cannot_start() {
         "{:#?}",
         dive.notes
     );
+    // Until the plan of the dive that runs is known.
+    dive.run_for(5.0);
     dive.ask(Request::Modify(modify(2, 0.0, 60)));
     dive.run_for(2.0);
     assert_eq!(dive.states(2), ["sent", "accepted"], "{:#?}", dive.notes);

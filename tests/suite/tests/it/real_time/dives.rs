@@ -57,12 +57,15 @@ fn flown(mission: &Mission, arguments: &[&str]) -> Log {
     read(&mission.beside("flight.mcap")).expect("the log can be read")
 }
 
-/// Sentences that the runtime received (true) or sent, with their times.
+/// Sentences that the runtime received (true) or sent, with their times. One record can hold several.
 fn link(log: &Log, received: bool, name: &str) -> Vec<(f64, String)> {
-    let link = log.link().filter(|(_, inward, _)| *inward == received);
-    link.map(|(at, _, bytes)| (at.as_secs_f64(), String::from_utf8_lossy(bytes).trim().to_owned()))
-        .filter(|(_, line)| line.starts_with(name))
-        .collect()
+    let mut found = Vec::new();
+    for (at, _, bytes) in log.link().filter(|(_, inward, _)| *inward == received) {
+        let text = String::from_utf8_lossy(bytes);
+        let lines = text.lines().filter(|line| line.starts_with(name));
+        found.extend(lines.map(|line| (at.as_secs_f64(), line.to_owned())));
+    }
+    found
 }
 
 #[test]

@@ -17,6 +17,7 @@ use clap::Args;
 use tokio::sync::mpsc::unbounded_channel;
 use tracing::{info, warn};
 
+use crate::cache::host;
 use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::external::Ports;
@@ -74,7 +75,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         let _within = runtime.enter();
         Ports::open(&mission.file.externals)?
     };
-    let host = Host::new()?;
+    let host = host(&arguments.mission)?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;

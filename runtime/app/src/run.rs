@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use backseat_core::{Core, Grant, Start};
 use backseat_mission::Mission;
-use backseat_plugin_host::Host;
+use backseat_plugin_host::{Host, Origin};
 use backseat_plugin_loader::{Loaded, load_plugins};
 use backseat_recorder::{Header, Rate};
 use backseat_units::Timestamp;
@@ -76,7 +76,11 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         Ports::open(&mission.file.externals)?
     };
     let host = host(&arguments.mission)?;
+    // The cache is read and written before the loop begins, and a disk that hangs is waited for only briefly: a runtime
+    // that starts again in the middle of a dive steers again sooner.
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
+    let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
+    info!("plugins: {cached} from the cache, {} compiled", loaded.origins.len() - cached);
     let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
     let identifiers = state.identifiers(arguments.first_identifier)?;

@@ -80,7 +80,10 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     // that starts again in the middle of a dive steers again sooner.
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
-    info!("plugins: {cached} from the cache, {} compiled", loaded.origins.len() - cached);
+    info!(
+        "plugins: {cached} from the cache, {} compiled",
+        loaded.origins.len() - cached
+    );
     let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
     let identifiers = state.identifiers(arguments.first_identifier)?;

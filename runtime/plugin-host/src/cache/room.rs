@@ -45,14 +45,13 @@ pub(super) fn kind(name: &str) -> Option<Kind> {
 /// The files to remove so that there is room for `needed` more bytes. `None` if that does not suffice.
 pub(super) fn removed(mut kept: Vec<Kept>, needed: u64, room: u64, now_s: i64) -> Option<Vec<String>> {
     kept.sort_by(|one, other| (one.kind, one.used_s, &one.name).cmp(&(other.kind, other.used_s, &other.name)));
+    let is_dead = |file: &Kept| file.kind == Kind::Draft && file.used_s < now_s.saturating_sub(DRAFT_AGE_S);
+    let (dead, kept): (Vec<Kept>, Vec<Kept>) = kept.into_iter().partition(is_dead);
+    let mut names: Vec<String> = dead.into_iter().map(|file| file.name).collect();
     let mut used: u64 = kept.iter().map(|file| file.bytes).sum();
-    let mut names = Vec::new();
     for file in kept {
-        let goes = match file.kind {
-            Kind::OtherVersion | Kind::Current => used.saturating_add(needed) > room,
-            Kind::Draft => file.used_s < now_s.saturating_sub(DRAFT_AGE_S),
-        };
-        if goes {
+        // A draft that another process is writing counts, and stays.
+        if used.saturating_add(needed) > room && file.kind != Kind::Draft {
             used -= file.bytes;
             names.push(file.name);
         }
@@ -125,8 +124,10 @@ mod tests {
             file("ready", Kind::Current, 40, 100),
         ];
         assert_eq!(removed(kept.clone(), 1, 1000, 10_000), Some(vec!["dead".to_owned()]));
-        // What another process is writing counts, and stays.
-        let names = removed(kept, 61, 100, 10_000);
-        assert_eq!(names, None);
+        // It goes first, and what another process is writing stays.
+        assert_eq!(removed(kept.clone(), 20, 100, 10_000), Some(vec!["dead".to_owned()]));
+        let two = vec!["dead".to_owned(), "ready".to_owned()];
+        assert_eq!(removed(kept.clone(), 21, 100, 10_000), Some(two));
+        assert_eq!(removed(kept, 61, 100, 10_000), None);
     }
 }

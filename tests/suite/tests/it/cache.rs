@@ -19,7 +19,7 @@ struct Own {
 
 impl Own {
     fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir().expect("a temporary folder can be made");
         let cache = folder.path().join("users/cache");
         Self { _folder: folder, cache }
     }
@@ -38,7 +38,7 @@ impl Own {
 
     fn files(&self) -> Vec<PathBuf> {
         let entries = fs::read_dir(&self.cache).into_iter().flatten();
-        entries.map(|entry| entry.unwrap().path()).collect()
+        entries.flatten().map(|entry| entry.path()).collect()
     }
 }
 
@@ -47,11 +47,18 @@ fn says(said: &str, part: &str) {
     assert!(said.contains(part), "no {part:?} in:\n{said}");
 }
 
+/// What was said on standard error, but for the warnings about the mission's world.
+fn told(finished: &Finished) -> Vec<&str> {
+    let lines = finished.stderr.lines();
+    lines.filter(|line| !line.contains(" WARN world: ")).collect()
+}
+
 /// The report without the real time that it took.
 fn flown(finished: &Finished) -> serde_json::Value {
     let mut report = finished.json();
     for real_time in ["wall_seconds", "load_seconds"] {
-        assert!(report.as_object_mut().unwrap().remove(real_time).is_some());
+        assert!(report[real_time].is_number(), "{finished}");
+        report[real_time] = serde_json::Value::Null;
     }
     report
 }
@@ -59,17 +66,24 @@ fn flown(finished: &Finished) -> serde_json::Value {
 #[test]
 fn a_second_start_loads_what_the_first_has_compiled_and_flies_the_same() {
     let (own, mission) = (Own::new(), Mission::steady());
-    let without = own.command(&["sim", "--json", "--no-cache"]).mission(&mission).run().exit(0);
+    let without = own
+        .command(&["sim", "--json", "--no-cache"])
+        .mission(&mission)
+        .run()
+        .exit(0);
     assert_eq!(own.files(), Vec::<PathBuf>::new(), "--no-cache keeps nothing");
     let first = own.sim(&mission);
     let second = own.sim(&mission);
     for finished in [&without, &first, &second] {
-        assert_eq!(finished.stderr, "", "{finished}");
+        assert_eq!(told(finished), [""; 0], "{finished}");
         assert_eq!(flown(finished), flown(&without));
     }
     let load_s = |finished: &Finished| finished.json()["load_seconds"].as_f64().unwrap();
     let (compiled_s, cached_s) = (load_s(&first), load_s(&second));
-    assert!(cached_s < compiled_s / 2.0, "{cached_s} s from the cache, {compiled_s} s compiled");
+    assert!(
+        cached_s < compiled_s / 2.0,
+        "{cached_s} s from the cache, {compiled_s} s compiled"
+    );
 }
 
 #[test]
@@ -81,10 +95,20 @@ fn check_says_where_each_plugin_comes_from() {
         says(&said, &format!(" kB, {origin}, a step every "));
         says(&said, &place);
     }
-    let said = own.command(&["check", "--no-cache"]).mission(&mission).run().exit(0).stdout;
+    let said = own
+        .command(&["check", "--no-cache"])
+        .mission(&mission)
+        .run()
+        .exit(0)
+        .stdout;
     says(&said, " kB, compiled now, a step every ");
     says(&said, "(no cache)");
-    let off = own.command(&["check"]).env("BACKSEAT_CACHE", "off").mission(&mission).run().exit(0);
+    let off = own
+        .command(&["check"])
+        .env("BACKSEAT_CACHE", "off")
+        .mission(&mission)
+        .run()
+        .exit(0);
     assert_eq!(off.stderr, "", "{off}");
     says(&off.stdout, "(no cache)");
 }
@@ -124,11 +148,14 @@ fn a_file_that_was_damaged_or_that_others_may_write_is_compiled_anew_with_a_line
         change.iter().for_each(|change| change(file));
         let finished = own.sim(&mission);
         assert_eq!(flown(&finished), flown(&good));
-        let line = format!("cache: {}: {reason}: not loaded; plugin `pilot` is compiled anew\n", file.display());
+        let line = format!(
+            "cache: {}: {reason}: not loaded; plugin `pilot` is compiled anew\n",
+            file.display()
+        );
         says(&finished.stderr, &line);
         says(&finished.stderr, "WARN");
-        assert_eq!(finished.stderr.lines().count(), 1, "{finished}");
-        assert_eq!(own.sim(&mission).stderr, "", "it was replaced");
+        assert_eq!(told(&finished).len(), 1, "{finished}");
+        assert_eq!(told(&own.sim(&mission)), [""; 0], "it was replaced");
     }
 }
 
@@ -136,28 +163,50 @@ fn a_file_that_was_damaged_or_that_others_may_write_is_compiled_anew_with_a_line
 fn without_a_place_for_a_cache_a_hint_says_so_once() {
     let (own, mission) = (Own::new(), Mission::steady());
     let nowhere = own.command(&["sim", "--json"]).env("BACKSEAT_CACHE", "");
-    let nowhere = nowhere.env("XDG_CACHE_HOME", "").env("HOME", "").mission(&mission).run().exit(0);
-    says(&nowhere.stderr, "INFO no cache of compiled plugins: none of BACKSEAT_CACHE, XDG_CACHE_HOME and HOME is set");
-    let kernel = own.command(&["sim", "--json"]).env("BACKSEAT_CACHE", "/proc/nothing/cache");
+    let nowhere = nowhere
+        .env("XDG_CACHE_HOME", "")
+        .env("HOME", "")
+        .mission(&mission)
+        .run()
+        .exit(0);
+    says(
+        &nowhere.stderr,
+        "INFO no cache of compiled plugins: none of BACKSEAT_CACHE, XDG_CACHE_HOME and HOME is set",
+    );
+    let kernel = own
+        .command(&["sim", "--json"])
+        .env("BACKSEAT_CACHE", "/proc/nothing/cache");
     let kernel = kernel.mission(&mission).run().exit(0);
-    says(&kernel.stderr, "INFO compiled plugins are not kept: /proc/nothing/cache: ");
+    says(
+        &kernel.stderr,
+        "INFO compiled plugins are not kept: /proc/nothing/cache: ",
+    );
     for finished in [nowhere, kernel] {
-        assert_eq!(finished.stderr.lines().count(), 1, "{finished}");
+        assert_eq!(told(&finished).len(), 1, "{finished}");
         assert_eq!(flown(&finished), flown(&own.sim(&mission)));
     }
     let users = own.command(&["sim", "--json"]).env("BACKSEAT_CACHE", "");
-    let users = users.env("XDG_CACHE_HOME", own.cache.join("xdg")).mission(&mission).run().exit(0);
-    assert_eq!(users.stderr, "");
+    let users = users
+        .env("XDG_CACHE_HOME", own.cache.join("xdg"))
+        .mission(&mission)
+        .run()
+        .exit(0);
+    assert_eq!(told(&users), [""; 0]);
     assert_eq!(fs::read_dir(own.cache.join("xdg/backseat")).unwrap().count(), 1);
 }
 
 #[test]
 fn a_full_disk_keeps_nothing_and_a_hint_says_so() {
     let (own, mission) = (Own::new(), Mission::steady());
-    let full = own.command(&["sim", "--json"]).mission(&mission).file_max_kib(64).run().exit(0);
+    let full = own
+        .command(&["sim", "--json"])
+        .mission(&mission)
+        .file_max_kib(64)
+        .run()
+        .exit(0);
     says(&full.stderr, "INFO compiled plugins are not kept: ");
     says(&full.stderr, "File too large");
-    assert_eq!(full.stderr.lines().count(), 1, "{full}");
+    assert_eq!(told(&full).len(), 1, "{full}");
     assert_eq!(own.files(), Vec::<PathBuf>::new(), "no draft is left");
     assert_eq!(flown(&full), flown(&own.sim(&mission)));
 }

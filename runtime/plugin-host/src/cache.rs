@@ -17,8 +17,9 @@
 //! was wrong with it. Nothing that is wrong with the cache ends a run.
 //!
 //! # Time and room
-//! A disk that does not answer costs [`PATIENCE`], once (safety requirement 022). The folder holds at most [`ROOM_BYTES`] by default: what was
-//! used least recently is removed first, and only files with names that this program gives are ever removed ([`room`]).
+//! A disk that does not answer costs [`PATIENCE`], once (safety requirement 022). The folder holds at most [`ROOM_BYTES`]
+//! by default: what was used least recently is removed first, and only files with names that this program gives are ever
+//! removed ([`room`]).
 
 mod artefact;
 mod entry;

@@ -79,17 +79,17 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     // The cache is read and written before the loop begins, and a disk that hangs is waited for only briefly: a runtime
     // that starts again in the middle of a dive steers again sooner.
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
-    let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
-    info!(
-        "plugins: {cached} from the cache, {} compiled",
-        loaded.origins.len() - cached
-    );
     let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
     let log = log_in(&arguments.log, &mission);
     let mut recorder = open_log(&log, &mission, None, &loaded.components, &clock)?;
+    let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
+    info!(
+        "plugins: {cached} from the cache, {} compiled",
+        loaded.origins.len() - cached
+    );
     if identifiers.is_none() && names_requests(&mission) {
         info!(
             "no record of SPI identifiers at {}: tracklines, circles, GPS hits and acoustic packets are off; begin a \

@@ -210,10 +210,16 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
     let (vehicle, flight, elapsed, real) = flight?;
     let outcome = match vehicle.mission_status() {
         MissionStatus::Completed => "completed",
-        MissionStatus::Aborted | MissionStatus::Stopped => "aborted",
-        MissionStatus::Ready | MissionStatus::Running | MissionStatus::WrappingUp | MissionStatus::Aborting => {
-            "unfinished"
-        }
+        MissionStatus::Aborted
+        | MissionStatus::Stopped
+        | MissionStatus::InvalidDiveFile
+        | MissionStatus::InvalidWrapupFile => "aborted",
+        MissionStatus::Offline
+        | MissionStatus::Waiting
+        | MissionStatus::Ready
+        | MissionStatus::Running
+        | MissionStatus::WrappingUp
+        | MissionStatus::Aborting => "unfinished",
     };
     let mut report = Report {
         mission: mission.name.clone(),

@@ -34,6 +34,7 @@ fn every_command_explains_its_flags() {
                 "--speed",
                 "--json",
                 "--plugins",
+                "--no-cache",
             ]
             .as_slice(),
         ),
@@ -76,7 +77,7 @@ fn every_command_explains_its_flags() {
             ],
         ),
         ("plc", &["--listen", "--folder", "--seed", "--log", "--duration"]),
-        ("check", &["--resolved", "--set"]),
+        ("check", &["--resolved", "--set", "--no-cache"]),
     ] {
         let help = Backseat::new().args([command, "--help"]).run().exit(0);
         let takes = if matches!(command, "mvc" | "plc") {

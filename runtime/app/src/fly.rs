@@ -144,7 +144,7 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
             &log,
             &mission,
             Some((arguments.vehicle.seed, &scenario.text)),
-            &loaded.components,
+            &loaded,
             &clock,
         )?;
         let start = Start {

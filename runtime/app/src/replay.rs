@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use backseat_plugin_host::Host;
 use backseat_recorder::LogReader;
-use backseat_replay::{Flow, Given, Replay as Playback, Report, Task};
+use backseat_replay::{Config, Configs, Flow, Given, Replay as Playback, Report, Task};
 use clap::Args;
 use serde_json::json;
 
@@ -24,7 +24,10 @@ pub(crate) struct Replay {
     /// Step the component in FILE in place of the plugin NAME, and show what it would have asked for on the same inputs
     #[arg(long = "plugin", value_name = "NAME=FILE", value_parser = component)]
     pub(crate) plugins: Vec<(String, PathBuf)>,
-    /// Step a plugin with another config: plugin.NAME.config.KEY=VALUE
+    /// Step the plugin NAME with the config in FILE, TOML, in place of the recorded one
+    #[arg(long = "config", value_name = "NAME=FILE.toml", value_parser = component)]
+    pub(crate) configs: Vec<(String, PathBuf)>,
+    /// Step a plugin with another value in its config: plugin.NAME.config.KEY=VALUE
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
     /// Show the first N steps of each plugin that differ
@@ -47,7 +50,7 @@ pub(crate) struct Replay {
 fn component(text: &str) -> Result<(String, PathBuf), String> {
     match text.split_once('=') {
         Some((name, file)) if !name.is_empty() && !file.is_empty() => Ok((name.to_owned(), PathBuf::from(file))),
-        _ => Err("expected NAME=FILE, such as isobath=isobath.wasm".to_owned()),
+        _ => Err("expected NAME=FILE with the name of a plugin of the mission".to_owned()),
     }
 }
 
@@ -55,7 +58,12 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
     let loading = Clock::start();
     let mut log = expected_log(LogReader::open(&arguments.log))?;
     let named = || format!("log {} cannot be replayed", arguments.log.display());
-    let task = Task::of(&log, &arguments.set).with_context(named)?;
+    let whole = arguments.configs.iter().map(|(name, file)| config(name, file));
+    let configs = Configs {
+        set: &arguments.set,
+        whole: &whole.collect::<Result<Vec<_>>>()?,
+    };
+    let task = Task::of(&log, configs).with_context(named)?;
     let given = arguments.plugins.iter().map(|(name, file)| given(name, file));
     let given = given.collect::<Result<_>>()?;
     #[cfg(feature = "simulation")]
@@ -101,6 +109,15 @@ fn given(name: &str, file: &Path) -> Result<Given> {
         plugin: name.to_owned(),
         file: file.display().to_string(),
         bytes,
+    })
+}
+
+fn config(name: &str, file: &Path) -> Result<Config> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("--config {name}={}", file.display()))?;
+    Ok(Config {
+        plugin: name.to_owned(),
+        file: file.display().to_string(),
+        text,
     })
 }
 

@@ -123,7 +123,12 @@ impl Mission {
         let table = file.fence.as_ref().filter(|_| name != "fence.geojson");
         let fence = fence::read_text(Path::new(""), name, text.to_owned(), table)?;
         let plan = match (&file.plan, parts.plan) {
-            (Some(table), Some(text)) => Some(plan::of_text(Path::new(""), table, file.vehicle.class, text.to_owned())?),
+            (Some(table), Some(text)) => Some(plan::of_text(
+                Path::new(""),
+                table,
+                file.vehicle.class,
+                text.to_owned(),
+            )?),
             (Some(table), None) => {
                 let missing = format!("plan.file is {:?}, and the log does not have this file", table.file);
                 return Err(value(path, missing));

@@ -14,6 +14,9 @@ const SNAPSHOT_BYTES: usize = 1 << 20;
 pub const PANICKED: &str = "its thread has panicked";
 /// The text of [`FaultKind::Deadline`].
 pub(crate) const DEADLINE: &str = "ran past its deadline";
+/// Fuel for repeating a step that a wall-clock limit ended: more than it can have used by then, because its budget may
+/// have no sensible bound.
+const STOPPED_FUEL: u64 = 5_000_000_000;
 /// Before the text of a snapshot's fault.
 const OF_SNAPSHOT: &str = "snapshot: ";
 
@@ -162,12 +165,22 @@ impl Plugin {
             events: Vec::new(),
             ..*input
         }));
-        let Called { mut fuel, result } = instance.call(
-            self.budget.fuel_per_step,
-            CALL_BYTES,
-            self.deadline_ticks,
-            |exports, store| exports.call_step(store, guest_input),
-        );
+        let fuel_max = match stop {
+            Some(Stop::InStep { .. }) => self.budget.fuel_per_step.min(STOPPED_FUEL),
+            Some(Stop::InSnapshot) | None => self.budget.fuel_per_step,
+        };
+        let Called { mut fuel, result } = match stop {
+            // Nothing of it can be compared, and the instance is lost.
+            Some(Stop::InStep { lines: 0, values: 0 }) => Called {
+                fuel: fuel_max,
+                result: Err(deadline()),
+            },
+            Some(Stop::InStep { .. } | Stop::InSnapshot) | None => {
+                instance.call(fuel_max, CALL_BYTES, self.deadline_ticks, |exports, store| {
+                    exports.call_step(store, guest_input)
+                })
+            }
+        };
         instance.set_step(None);
         let mut result = result.and_then(|returned| match returned {
             Ok(requests) => v0_1_0::requests(requests),

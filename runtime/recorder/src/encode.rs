@@ -97,23 +97,23 @@ pub(crate) fn write_input(out: &mut Vec<u8>, input: &Input<'_>) -> Result<Channe
             bytes::write_external(out, "input", *external, bytes);
             return Ok(Channel::Input);
         }
-            Input::LinkUp => InputRef::LinkUp,
-            Input::LinkDown => InputRef::LinkDown,
-            Input::Returned(plugin, returned) => InputRef::Returned {
-                plugin: *plugin,
-                returned,
-            },
-            Input::Restarted(plugin, restarted) => InputRef::Restarted {
-                plugin: *plugin,
-                restarted,
-            },
-            Input::Operator(act) => InputRef::Operator { act },
-            Input::Sonar(report) => InputRef::Sonar { report },
-            Input::UtcSet(by_nanos) => InputRef::UtcSet { by_nanos: *by_nanos },
-            Input::Reserved(reservation) => InputRef::Reserved {
-                reservation: *reservation,
-            },
-        };
+        Input::LinkUp => InputRef::LinkUp,
+        Input::LinkDown => InputRef::LinkDown,
+        Input::Returned(plugin, returned) => InputRef::Returned {
+            plugin: *plugin,
+            returned,
+        },
+        Input::Restarted(plugin, restarted) => InputRef::Restarted {
+            plugin: *plugin,
+            restarted,
+        },
+        Input::Operator(act) => InputRef::Operator { act },
+        Input::Sonar(report) => InputRef::Sonar { report },
+        Input::UtcSet(by_nanos) => InputRef::UtcSet { by_nanos: *by_nanos },
+        Input::Reserved(reservation) => InputRef::Reserved {
+            reservation: *reservation,
+        },
+    };
     plain::write(out, &message)?;
     Ok(Channel::Input)
 }

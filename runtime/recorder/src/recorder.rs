@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 
 use crate::channel::Channel;
 use crate::decimation::Decimation;
-use crate::error::RecorderError;
 use crate::encode::{Place, write_input, write_output};
+use crate::error::RecorderError;
 use crate::header::{COMPONENTS, DESCRIPTIONS, Header, RUN, Rate};
 use crate::measures::Measures;
 use crate::message::{InputRef, Line, NavigationRow, RemarkRef};

@@ -11,7 +11,7 @@ use backseat_plugin_loader::Components;
 use crate::error::ReplayError;
 use crate::member::Member;
 use crate::report::{Component, PluginReport};
-use crate::task::{Flown, Given, Task, hash};
+use crate::task::{Flown, Given, Task, hash, listed};
 
 /// The plugins of a run.
 pub(crate) struct Crew {
@@ -114,7 +114,14 @@ impl Crew {
     }
 
     /// Compiles a component, if it is not compiled yet.
-    fn compile(&mut self, host: &Host, sha256: &str, plugin: &str, path: PathBuf, bytes: &[u8]) -> Result<(), ReplayError> {
+    fn compile(
+        &mut self,
+        host: &Host,
+        sha256: &str,
+        plugin: &str,
+        path: PathBuf,
+        bytes: &[u8],
+    ) -> Result<(), ReplayError> {
         if !self.components.has(sha256) {
             self.components.insert_file(host, sha256, plugin, path, bytes)?;
         }
@@ -138,9 +145,7 @@ impl Crew {
         let path = PathBuf::from(format!("of the log, components/{}.wasm", flown.name));
         self.compile(host, &flown.sha256, &flown.name, path, bytes)?;
         let table = &task.mission.file.plugins[place];
-        let started = self
-            .components
-            .start_described(&flown.sha256, table, &task.mission)?;
+        let started = self.components.start_described(&flown.sha256, table, &task.mission)?;
         Ok(started.description)
     }
 }
@@ -150,12 +155,19 @@ fn by_plugin(task: &Task, given: Vec<Given>) -> Result<BTreeMap<String, Given>, 
     for one in given {
         let name = one.plugin.clone();
         if !task.flown.iter().any(|flown| flown.name == name) {
-            let known = task.names().join(", ");
-            let known = if known.is_empty() { "none".to_owned() } else { known };
-            return Err(ReplayError::NoPlugin { name, known });
+            let names = task.names();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            return Err(ReplayError::NoPlugin {
+                option: "--plugin",
+                name,
+                known: listed(&names),
+            });
         }
         if by_plugin.insert(name.clone(), one).is_some() {
-            return Err(ReplayError::Twice { name });
+            return Err(ReplayError::Twice {
+                option: "--plugin",
+                name,
+            });
         }
     }
     Ok(by_plugin)

@@ -229,7 +229,8 @@ fn compare(found: &mut Vec<String>, path: &str, recorded: Option<&Value>, replay
         }
         (one, other) if one == other => {}
         (one, other) => {
-            let shown = |value: Option<&Value>| value.map_or_else(|| "nothing".to_owned(), |value| short(&value.to_string()));
+            let shown =
+                |value: Option<&Value>| value.map_or_else(|| "nothing".to_owned(), |value| short(&value.to_string()));
             found.push(format!("{path}: {} recorded, {} now", shown(one), shown(other)));
         }
     }

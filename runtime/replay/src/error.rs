@@ -54,27 +54,39 @@ pub enum ReplayError {
         sha256: String,
     },
     /// No plugin of the mission has this name.
-    #[error("--plugin {name}: the run had no plugin of this name; it had {known}")]
+    #[error("{option} {name}: the run had no plugin of this name; it had {known}")]
     NoPlugin {
+        /// The option.
+        option: &'static str,
         /// The name.
         name: String,
         /// The plugins of the mission.
         known: String,
     },
-    /// A plugin was given twice.
-    #[error("--plugin {name}: given twice")]
+    /// A plugin's component or config was given twice.
+    #[error("{option} {name}: given twice")]
     Twice {
+        /// The option.
+        option: &'static str,
         /// The name.
         name: String,
     },
     /// A setting would change more than a plugin's config.
     #[error(
-        "--set {set}: expected plugin.NAME.config.KEY=VALUE; all other settings are those of the run, because core is \
+        "--set {set}: expected plugin.NAME.config.KEY=VALUE: all other settings are those of the run, because core is \
          replayed with them"
     )]
     Setting {
         /// The setting.
         set: String,
+    },
+    /// A config is not TOML.
+    #[error("{file}: {message}")]
+    Config {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        message: String,
     },
     /// A component cannot be used.
     #[error(transparent)]

@@ -30,5 +30,5 @@ pub use drawing::{Asked, Drawing, Steering, TrackPoint};
 pub use error::ReplayError;
 pub use playback::{Flow, Replay};
 pub use report::{Component, PluginReport, Refused, Report};
-pub use task::{Given, Task};
+pub use task::{Config, Configs, Given, Task};
 pub use words::{describe_input, describe_request};

@@ -103,7 +103,11 @@ impl Replay {
             return Ok(Flow::Over);
         }
         let sequence = message.sequence;
-        if let Some(from) = self.next.replace(sequence.wrapping_add(1)).filter(|next| *next != sequence) {
+        if let Some(from) = self
+            .next
+            .replace(sequence.wrapping_add(1))
+            .filter(|next| *next != sequence)
+        {
             self.refused = Some(Refused::Missing {
                 from,
                 until: sequence,
@@ -212,7 +216,11 @@ impl Replay {
         let core = Core::new(settings, self.mission.envelope.clone(), self.crew.setups.clone(), start);
         self.process = Some(Process {
             core,
-            epoch: if self.processes > 1 { message.now } else { Timestamp::ZERO },
+            epoch: if self.processes > 1 {
+                message.now
+            } else {
+                Timestamp::ZERO
+            },
         });
         self.drain(message).map(drop)
     }
@@ -250,7 +258,9 @@ impl Replay {
             | LoggedInput::Timeout => {}
         }
         if let Some(process) = &mut self.process {
-            process.core.handle(own_time(process.epoch, message.now), input.as_input());
+            process
+                .core
+                .handle(own_time(process.epoch, message.now), input.as_input());
         }
         let transitions = self.drain(message)?;
         if let Some((plugin, requests)) = &asked {
@@ -331,7 +341,10 @@ impl Replay {
             return Ok(transitions);
         };
         while let Some(output) = process.core.poll_output() {
-            let encoded = self.encoder.output(&output).map_err(|source| invalid(message, source))?;
+            let encoded = self
+                .encoder
+                .output(&output)
+                .map_err(|source| invalid(message, source))?;
             self.expected.extend(encoded);
             match output {
                 Output::Invoke(plugin, input) => {
@@ -399,9 +412,7 @@ impl Replay {
         };
         let input = self.input.as_ref();
         self.first = Some(Difference::Output(OutputDifference {
-            at_s: input
-                .map_or(self.newest, |input| input.now)
-                .as_secs_f64(),
+            at_s: input.map_or(self.newest, |input| input.now).as_secs_f64(),
             message: recorded.map(|recorded| recorded.sequence),
             input_message: input.map_or(0, |input| input.sequence),
             input: input.map_or_else(String::new, |input| text(&input.data)),

@@ -148,7 +148,10 @@ impl Report {
             lines.push(format!("  {} processes, each from its start", self.processes));
         }
         lines.push(match self.outputs_different {
-            0 => format!("  core: {} outputs of {} inputs, all identical", self.outputs, self.inputs),
+            0 => format!(
+                "  core: {} outputs of {} inputs, all identical",
+                self.outputs, self.inputs
+            ),
             different => format!(
                 "  core: {different} of {} outputs of {} inputs differ",
                 self.outputs, self.inputs
@@ -172,10 +175,13 @@ impl Report {
             lines.extend(first_lines.map(|line| format!("  {line}")));
         }
         for plugin in &self.plugins {
-            let shown = plugin.different_steps.iter().filter(|step| match &self.first_difference {
-                Some(Difference::Step(first)) => first != *step,
-                _ => true,
-            });
+            let shown = plugin
+                .different_steps
+                .iter()
+                .filter(|step| match &self.first_difference {
+                    Some(Difference::Step(first)) => first != *step,
+                    _ => true,
+                });
             for step in shown {
                 lines.extend(step.lines().into_iter().map(|line| format!("  {line}")));
             }

@@ -39,14 +39,34 @@ pub struct Given {
     pub bytes: Vec<u8>,
 }
 
+/// Another config for plugins, which are then compared with those that flew.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Configs<'a> {
+    /// Single keys: `plugin.NAME.config.KEY=VALUE`.
+    pub set: &'a [String],
+    /// Whole configs.
+    pub whole: &'a [Config],
+}
+
+/// A whole config for a plugin.
+#[derive(Clone, Debug)]
+pub struct Config {
+    /// The plugin's name in the mission.
+    pub plugin: String,
+    /// The file, for messages.
+    pub file: String,
+    /// Its keys, TOML.
+    pub text: String,
+}
+
 impl Task {
-    /// Reads the mission from a log. Each of `set` is a `plugin.NAME.config.KEY=VALUE`: the config of a plugin that is
-    /// compared with the one that flew.
+    /// Reads the mission from a log.
     ///
     /// # Errors
     ///
-    /// [`ReplayError`] if the log lacks something or has something else than it says, and [`ReplayError::Setting`].
-    pub fn of<R: Read>(log: &LogReader<R>, set: &[String]) -> Result<Self, ReplayError> {
+    /// [`ReplayError`] if the log lacks something or has something else than it says, or if a config is not one.
+    pub fn of<R: Read>(log: &LogReader<R>, configs: Configs<'_>) -> Result<Self, ReplayError> {
+        let set = configs.set;
         let run = log.run().clone();
         let mission_text = attached(log, "mission.toml", Some(&run.mission_sha256))?;
         let fence_text = attached(log, "fence.geojson", Some(&run.fence_sha256))?;
@@ -81,6 +101,31 @@ impl Task {
             {
                 *changed = (now != *then).then_some(now);
             }
+        }
+        for config in configs.whole {
+            let names: Vec<&str> = mission.file.plugins.iter().map(|table| table.name.as_str()).collect();
+            let Some(place) = names.iter().position(|name| *name == config.plugin) else {
+                return Err(ReplayError::NoPlugin {
+                    option: "--config",
+                    name: config.plugin.clone(),
+                    known: listed(&names),
+                });
+            };
+            if changed[place].is_some() {
+                return Err(ReplayError::Twice {
+                    option: "--config",
+                    name: config.plugin.clone(),
+                });
+            }
+            let keys = toml::from_str(&config.text).map_err(|error: toml::de::Error| ReplayError::Config {
+                file: config.file.clone(),
+                message: error.message().to_owned(),
+            })?;
+            let then = &mission.file.plugins[place];
+            changed[place] = Some(PluginTable {
+                config: keys,
+                ..then.clone()
+            });
         }
         let flown = mission.file.plugins.iter().map(|table| flown(log, &table.name));
         Ok(Self {
@@ -138,9 +183,9 @@ fn check_config_only(mission: &Mission, over: &Mission, set: &str) -> Result<(),
 
 /// A text that must be attached.
 fn attached<'a, R: Read>(log: &'a LogReader<R>, name: &str, sha256: Option<&str>) -> Result<&'a str, ReplayError> {
-    let data = log.attachment(name).ok_or_else(|| ReplayError::Attachment {
-        name: name.to_owned(),
-    })?;
+    let data = log
+        .attachment(name)
+        .ok_or_else(|| ReplayError::Attachment { name: name.to_owned() })?;
     if sha256.is_some_and(|sha256| hash(data) != sha256) {
         return Err(ReplayError::Hash { name: name.to_owned() });
     }
@@ -149,6 +194,15 @@ fn attached<'a, R: Read>(log: &'a LogReader<R>, name: &str, sha256: Option<&str>
 
 fn text<'a>(name: &str, data: &'a [u8]) -> Result<&'a str, ReplayError> {
     std::str::from_utf8(data).map_err(|_| ReplayError::Text { name: name.to_owned() })
+}
+
+/// Names in a message.
+pub(crate) fn listed(names: &[&str]) -> String {
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        names.join(", ")
+    }
 }
 
 /// SHA-256, hexadecimal.

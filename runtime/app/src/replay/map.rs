@@ -73,7 +73,11 @@ fn subtitle(report: &Report, log: &Path) -> String {
             None => plugin.name.clone(),
         })
         .collect();
-    format!("{file}, {:.0} min; plugins: {}", report.seconds / 60.0, plugins.join(", "))
+    format!(
+        "{file}, {:.0} min; plugins: {}",
+        report.seconds / 60.0,
+        plugins.join(", ")
+    )
 }
 
 fn caption(report: &Report) -> String {

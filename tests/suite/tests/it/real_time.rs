@@ -13,6 +13,7 @@ mod mvc;
 mod operator;
 mod pages;
 mod plc;
+mod replay;
 mod sea;
 mod service;
 mod session;

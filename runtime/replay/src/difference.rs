@@ -248,7 +248,7 @@ fn joined(path: &str, key: &str) -> String {
 pub(crate) fn short(text: &str) -> String {
     let text = text.trim_end();
     match text.char_indices().nth(SHOWN_MAX) {
-        Some((cut, _)) => format!("{}… ({} characters)", text[..cut].escape_debug(), text.chars().count()),
+        Some((cut, _)) => format!("{}… ({} characters)", &text[..cut], text.chars().count()),
         None => text.to_owned(),
     }
 }

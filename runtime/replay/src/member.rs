@@ -1,5 +1,6 @@
 //! A plugin in a replay: it does the steps that core asks for, when the log says what came of them.
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
 
 use backseat_core::plugin::{FaultKind, Judge, PluginFault, PluginId, Request, Returned, StepInput};
@@ -97,11 +98,11 @@ impl Member {
         self.report.requests_recorded += requests(recorded);
         self.report.requests_now += requests(&now);
         let (then_bytes, now_bytes) = if self.report.component.other {
-            (self.essence(recorded)?, self.essence(&now)?)
+            (Cow::Owned(self.essence(recorded)?), self.essence(&now)?)
         } else {
-            (message.data.clone(), self.encoded(now.clone())?)
+            (Cow::Borrowed(&message.data), self.encoded(now.clone())?)
         };
-        if then_bytes == now_bytes {
+        if *then_bytes == now_bytes {
             return Ok(Stepped::Same);
         }
         self.report.different += 1;

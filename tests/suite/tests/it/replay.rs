@@ -145,8 +145,13 @@ fn another_plugin_is_compared_step_by_step() {
     );
     let map = mission.beside("apart.svg");
     let map_text = map.to_str().unwrap_or_default();
-    let arguments = ["--plugin", &plugin, "--config", &config, "--steps", "2"];
-    let text = replay(&log, &[arguments.as_slice(), &["--map", map_text]].concat()).exit(1);
+    let arguments = ["--plugin", &plugin, "--config", &config];
+    // At first there is no control, and the template asks for nothing.
+    let text = replay(
+        &log,
+        &[arguments.as_slice(), &["--steps", "60", "--map", map_text]].concat(),
+    )
+    .exit(1);
     for part in [
         "all identical",
         "template.wasm, version ",
@@ -166,7 +171,7 @@ fn another_plugin_is_compared_step_by_step() {
         picture.contains("asked-now") && picture.contains("asked now instead"),
         "{picture}"
     );
-    let report = replay(&log, &[arguments.as_slice(), &["--json"]].concat())
+    let report = replay(&log, &[arguments.as_slice(), &["--steps", "2", "--json"]].concat())
         .exit(1)
         .json();
     let plugin = &report["plugins"][0];

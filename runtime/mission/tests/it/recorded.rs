@@ -4,8 +4,8 @@ use std::fs;
 
 use backseat_mission::{Layers, Mission, RecordedParts};
 
-const MISSION: &str = "[limits]\nspeed_min_mps = 1.0\nspeed_max_mps = 2.0\nturn_rate_dps = 8.0\nseabed_slope_max = 0.1\n\
-                       water_depth_min_m = 0.1\n[vehicle]\nname = \"nemo\"\ntrackcircle_entry_angle = true\n\
+const MISSION: &str = "[limits]\nspeed_min_mps = 1.0\nspeed_max_mps = 2.0\nturn_rate_dps = 8.0\ncurrent_max_mps = 0.2\n\
+                       [vehicle]\nname = \"nemo\"\ntrackcircle_entry_angle = true\n\
                        [session]\nhold_text = \"stop it\"\n[recovery]\noutside_for_s = 3.25\n\
                        [[policy]]\nwhen = \"plugin-quarantined\"\norder = \"hold\"\n\
                        [[plugin]]\nname = \"isobath\"\ncomponent = \"isobath\"\ngrants = [\"modify\"]\n\

@@ -105,6 +105,10 @@ pub(crate) struct MissionArguments {
     /// Look in this folder first for plugins that the mission names without a path
     #[arg(long, value_name = "DIR", value_parser = folder)]
     pub(crate) plugins: Option<PathBuf>,
+    /// Compile the plugins, and keep nothing for the next start. Without this, what was compiled once is loaded from the
+    /// folder BACKSEAT_CACHE [default: backseat in the user's cache folder]
+    #[arg(long)]
+    pub(crate) no_cache: bool,
     /// Set a key of mission.toml, such as limits.speed_max_mps=1.8; overrides the file and the environment
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,

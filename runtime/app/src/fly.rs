@@ -11,7 +11,6 @@ use anyhow::{Context, Result};
 use backseat_core::Start;
 use backseat_mission::Mission;
 use backseat_mvc::Status as MissionStatus;
-use backseat_plugin_host::Host;
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::read;
 use backseat_scenario::Scenario;
@@ -21,6 +20,7 @@ use clap::Args;
 use tokio::sync::oneshot;
 use tracing::warn;
 
+use crate::cache::host;
 use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::external::Ports;
@@ -112,7 +112,7 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
     }
     let (ports, heard) = Ports::open(&mission.file.externals)?;
-    let host = Host::new()?;
+    let host = host(&arguments.mission)?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let passing = Passing(std::env::temp_dir().join(format!("backseat-fly-{}", std::process::id())));
     let state = State::open(arguments.state.as_deref().unwrap_or(&passing.0), None)?;
@@ -210,10 +210,16 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
     let (vehicle, flight, elapsed, real) = flight?;
     let outcome = match vehicle.mission_status() {
         MissionStatus::Completed => "completed",
-        MissionStatus::Aborted | MissionStatus::Stopped => "aborted",
-        MissionStatus::Ready | MissionStatus::Running | MissionStatus::WrappingUp | MissionStatus::Aborting => {
-            "unfinished"
-        }
+        MissionStatus::Aborted
+        | MissionStatus::Stopped
+        | MissionStatus::InvalidDiveFile
+        | MissionStatus::InvalidWrapupFile => "aborted",
+        MissionStatus::Offline
+        | MissionStatus::Waiting
+        | MissionStatus::Ready
+        | MissionStatus::Running
+        | MissionStatus::WrappingUp
+        | MissionStatus::Aborting => "unfinished",
     };
     let mut report = Report {
         mission: mission.name.clone(),

@@ -1,6 +1,7 @@
 //! The mock vehicle as a TCP server, for our own runtime and for any other SPI client.
 
 mod connection;
+mod draws;
 pub(crate) mod log;
 pub(crate) mod server;
 pub(crate) mod status;
@@ -61,7 +62,7 @@ pub(crate) struct Mvc {
 /// The arguments of all commands that fly the mock vehicle in real time.
 #[derive(Debug, Args)]
 pub(crate) struct VehicleArguments {
-    /// Which status messages are on from the start [default: as in world.toml]
+    /// What the vehicle's side of the interface is like, whatever world.toml says [default: as in world.toml]
     #[arg(long)]
     pub(crate) profile: Option<Profile>,
     /// Inject the faults of vehicle and links in this file, instead of those in world.toml
@@ -78,6 +79,7 @@ impl VehicleArguments {
         match self.profile {
             Some(Profile::Spec) => scenario.world.spi.profile = backseat_mvc::Profile::Spec,
             Some(Profile::Field) => scenario.world.spi.profile = backseat_mvc::Profile::Field,
+            Some(Profile::Sandshark) => scenario.world.like_sandshark(),
             None => {}
         }
         let mut vehicle = scenario
@@ -101,6 +103,9 @@ pub(crate) enum Profile {
     Spec,
     /// As real vehicles do: CTL and MIS are on
     Field,
+    /// As recordings of a Sandshark show it: BFVER 1.11, CTL and MIS on, a blank line after each sentence, NAK for broken
+    /// lines, BPLOG,ALL for navigation alone, a clock hours away
+    Sandshark,
 }
 
 pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
@@ -110,6 +115,7 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
         scenario.world.spi.roles.clone_from(&arguments.iprole);
     }
     let (vehicle, faults) = arguments.vehicle.vehicle(&mut scenario)?;
+    draws::tell(&vehicle, &scenario.world.interpretation, arguments.vehicle.seed);
     let log = match &arguments.log {
         Some(path) => Some(Log::create(path)?),
         None => None,

@@ -6,12 +6,12 @@ mod map;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use backseat_plugin_host::Host;
 use backseat_recorder::LogReader;
 use backseat_replay::{Config, Configs, Flow, Given, Replay as Playback, Report, Task};
 use clap::Args;
 use serde_json::json;
 
+use crate::cache::host_with;
 use crate::clock::Clock;
 use crate::log::expected_log;
 use crate::output::say;
@@ -42,6 +42,9 @@ pub(crate) struct Replay {
     #[cfg(feature = "simulation")]
     #[arg(long, requires = "map")]
     pub(crate) open: bool,
+    /// Compile the plugins, and keep nothing for the next start
+    #[arg(long)]
+    pub(crate) no_cache: bool,
     /// Print one JSON object on standard output and nothing else
     #[arg(long)]
     pub(crate) json: bool,
@@ -71,7 +74,8 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
         // Reports a file that cannot be written before the replay, not after it.
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
     }
-    let mut playback = Playback::new(task, &Host::new()?, given, arguments.steps).with_context(named)?;
+    let mut playback =
+        Playback::new(task, &host_with(!arguments.no_cache)?, given, arguments.steps).with_context(named)?;
     let load_seconds = loading.elapsed().as_secs_f64();
     let playing = Clock::start();
     while let Some(message) = log.next_message()? {

@@ -6,7 +6,6 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use backseat_mission::Mission;
 use backseat_plc::{FileFailure, PlcConfig};
-use backseat_plugin_host::Host;
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder, read};
 use backseat_scenario::{Scenario, read_faults};
@@ -16,6 +15,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use tracing::{Level, enabled, info, warn};
 
+use crate::cache::host;
 use crate::cli::MissionArguments;
 use crate::clock::{Clock, pause};
 use crate::log::{plugin_lines, sources};
@@ -85,7 +85,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     }
     let faults = arguments.faults.as_deref().map(read_faults).transpose()?;
     let loading = Clock::start();
-    let host = Host::new()?;
+    let host = host(&arguments.mission)?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let load_seconds = loading.elapsed().as_secs_f64();
 

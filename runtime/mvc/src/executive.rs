@@ -1,10 +1,12 @@
 mod another_dive;
 mod clipping;
+pub(crate) mod dives;
 mod ending;
 mod ending_commands;
 mod flow;
 mod insert_commands;
 mod inserts;
+mod loading;
 pub(crate) mod mission;
 mod modify;
 mod plan_report;
@@ -45,7 +47,13 @@ pub(crate) struct Executive {
     performance: Performance,
     altitude_min_m: f64,
     limits: Limits,
-    starts_at: Timestamp,
+    /// When the dive that is ready starts; `None` if only an operator starts it.
+    starts_at: Option<Timestamp>,
+    /// When the operator calls the dive off, counted from its start, and whether that is an abort.
+    called_off: Option<(Duration, bool)>,
+    called_off_at: Option<Timestamp>,
+    /// Whether the vehicle has been released: before its first mission it is held in place.
+    released: bool,
     /// When the mission is aborted if it is still running.
     ends_at: Option<Timestamp>,
     status: Status,
@@ -87,6 +95,7 @@ struct Limits {
     modify_total: Option<Duration>,
     modify_deviation_m: Option<f64>,
     modify_limit: ModifyLimit,
+    time_limit: Option<Duration>,
     wrap_up: WrapUp,
     control: ControlWindow,
 }
@@ -107,18 +116,18 @@ struct Running {
 }
 
 impl Executive {
+    /// Without a dive, and with this status.
     pub(crate) fn new(
-        plan: Vec<PlanItem>,
         config: &MissionConfig,
         vehicle: &VehicleConfig,
         interpretation: Interpretation,
         tick: Duration,
+        status: Status,
     ) -> Self {
         let performance = vehicle.performance();
-        let starts_at = Timestamp::ZERO + Duration::from_secs_f64(config.starts_after_s);
         Self {
             log: Vec::new(),
-            plan,
+            plan: Vec::new(),
             interpretation,
             performance,
             altitude_min_m: vehicle.altitude_min_m,
@@ -128,14 +137,16 @@ impl Executive {
                 modify_total: config.modify_total_s.map(Duration::from_secs_f64),
                 modify_deviation_m: config.modify_deviation_m,
                 modify_limit: config.modify_limit,
+                time_limit: config.time_limit_s.map(Duration::from_secs_f64),
                 wrap_up: config.wrap_up,
                 control: config.control,
             },
-            starts_at,
-            ends_at: config
-                .time_limit_s
-                .map(|limit| starts_at + Duration::from_secs_f64(limit)),
-            status: Status::Ready,
+            starts_at: None,
+            called_off: None,
+            called_off_at: None,
+            released: false,
+            ends_at: None,
+            status,
             details: Text::default(),
             empty: false,
             index: 0,
@@ -186,7 +197,14 @@ impl Executive {
         match self.status {
             Status::Running => self.end_mission(true, details),
             Status::Ready | Status::WrappingUp => self.finish(Status::Aborted, details),
-            Status::Aborting | Status::Completed | Status::Aborted | Status::Stopped => {}
+            Status::Offline
+            | Status::Waiting
+            | Status::InvalidDiveFile
+            | Status::InvalidWrapupFile
+            | Status::Aborting
+            | Status::Completed
+            | Status::Aborted
+            | Status::Stopped => {}
         }
     }
 
@@ -230,7 +248,9 @@ impl Executive {
 
     pub(crate) fn activity(&self) -> Activity {
         match self.status {
-            Status::Ready => Activity::Waiting,
+            Status::Offline | Status::Waiting | Status::InvalidDiveFile | Status::InvalidWrapupFile | Status::Ready => {
+                Activity::Waiting
+            }
             Status::WrappingUp | Status::Aborting => Activity::WrappingUp,
             Status::Completed | Status::Aborted | Status::Stopped => Activity::Stopped,
             Status::Running if self.is_suspended() => Activity::Suspended,
@@ -258,14 +278,14 @@ impl Executive {
     /// One step of the mission. Returns what moves the vehicle now. `convergence_deg` is the angle from true north to
     /// the frame's north.
     pub(crate) fn tick(&mut self, now: Timestamp, estimate: &Estimate, convergence_deg: f64) -> Drive {
-        if self.status == Status::Ready && now >= self.starts_at {
-            self.set_status(Status::Running, "");
-            self.begin_planned(0, now, estimate.at);
+        if let Some(at) = self.starts_at.filter(|at| now >= *at && self.status == Status::Ready) {
+            self.start(at, now, estimate.at);
         }
         self.lapse(now);
         if self.is_running() && self.ends_at.is_some_and(|at| now >= at) {
             self.end_mission(true, "time limit");
         }
+        self.call_off(now);
         if let Some(drive) = self.fly_suspended(now, estimate) {
             return drive;
         }
@@ -286,7 +306,13 @@ impl Executive {
             steer = self.steer(now, estimate);
         }
         match self.status {
-            Status::Ready => Drive::Held,
+            Status::Offline | Status::Waiting | Status::InvalidDiveFile | Status::InvalidWrapupFile | Status::Ready => {
+                if self.released {
+                    Drive::Adrift
+                } else {
+                    Drive::Held
+                }
+            }
             Status::WrappingUp | Status::Aborting => self.climb(estimate),
             Status::Running => self.drive(steer, estimate, convergence_deg),
             Status::Completed | Status::Aborted | Status::Stopped => Drive::Adrift,

@@ -38,7 +38,7 @@ mod vehicle;
 // `world.toml` and a mission write the plan in the same format.
 pub use backseat_plan::{PlaceConfig, PlanEntry, PlanKind, VehicleClass};
 
-pub use error::MvcError;
+pub use error::{DiveError, MvcError};
 pub use event::{
     AcousticEvent, AdjustmentEvent, AdjustmentKind, Behavior, CancelCause, ClientId, DropReason, DvlTriggerEvent,
     EndReason, HoveringEvent, MissionEvent, ModifyEnd, ModifyHorizontal, ModifySpeed, ModifyValues, ModifyVertical,
@@ -50,15 +50,16 @@ pub use faults::{
 };
 pub use file::{
     AcknowledgeConfig, Acknowledged, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced,
-    AfterInterrupt, AfterSuspension, CancelAllScope, Choice, CompassConfig, ContactsExpectation, ContourExpectation,
-    ControlWindow, CoverageExpectation, DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations,
-    FaultEntry, FaultFile, FaultName, FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig,
-    InsConfig, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation,
-    MeasureExpectation, MissionCommandConfig, MissionConfig, ModifyBeyond, ModifyEmptyMode, ModifyFins, ModifyLimit,
-    MotionModel, PeerConfig, PeerPacket, PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName,
-    ShipConfig, ShipSide, SidescanName, SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig,
-    TargetKinds, TelemetryConfig, TopsideConfig, TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig,
-    WithoutLock, WithoutRole, WorldFile, WrapUp,
+    AfterInterrupt, AfterSuspension, AllTopics, BrokenLine, CancelAllScope, Choice, CompassConfig, ContactsExpectation,
+    ContourExpectation, ControlWindow, CoverageExpectation, CtdPressure, DepthSensorConfig, DirectionName, DiveConfig,
+    DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName, FixConfig, GpsConfig, HeadingFrame,
+    HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace, InsertsAfterControl, InterpretationConfig,
+    Interruption, InvalidFile, LineEnd, LineFault, MaximumExpectation, MeasureExpectation, MissionCommandConfig,
+    MissionConfig, ModifyBeyond, ModifyEmptyMode, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket,
+    PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SidescanName,
+    SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TargetKinds, TelemetryConfig,
+    TopsideConfig, TopsideEntry, TrackcircleLayout, UnackedFrames, UnknownCommand, VehicleConfig, WithoutLock,
+    WithoutRole, WorldFile, WrapUp,
 };
 pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};

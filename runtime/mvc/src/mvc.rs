@@ -1,6 +1,7 @@
 //! The vehicle as a whole: it passes each input to the part that handles it, and knows nothing else.
 
 mod commands;
+mod dives;
 mod faults;
 mod steps;
 
@@ -13,6 +14,7 @@ use backseat_world::{Grid, World};
 use crate::context::North;
 use crate::error::MvcError;
 use crate::event::{ClientId, DropReason, MvcEvent, Status};
+use crate::executive::dives::resolve;
 use crate::executive::mission::Mission;
 use crate::faults::timeline::Timeline;
 use crate::file::{MotionModel, WorldFile};
@@ -76,10 +78,21 @@ impl Mvc {
     pub fn with_grid(file: &WorldFile, seed: u64, grid: Option<Grid>) -> Result<Self, MvcError> {
         let charted = grid.is_some();
         let world = World::with_grid(&file.world_config(), seed, grid)?;
-        let plan = crate::plan::resolve(&file.plan, world.frame(), &file.vehicle)?;
+        let dives = resolve(file, world.frame())?;
         let start = EastNorth::new(file.start.east_m, file.start.north_m);
         soundings::check_start(start, file.start.depth_m, &world)?;
-        soundings::check(&plan, start, &world, file.vehicle.altitude_min_m, charted)?;
+        for (number, dive) in (1..).zip(&dives) {
+            // Where a later dive begins is where the one before left the vehicle.
+            let start = (number == 1).then_some(start);
+            let checked = soundings::check(&dive.plan, start, &world, file.vehicle.altitude_min_m, charted);
+            checked.map_err(|error| {
+                if file.dive.is_empty() {
+                    error
+                } else {
+                    error.of_dive(number)
+                }
+            })?;
+        }
         let interpretation = Interpretation::new(&file.interpretation, seed);
         let period = Duration::from_nanos(1_000_000_000 / u64::from(file.vehicle.tick_hz.clamp(1, 100)));
         let north = North::at(start, world.frame());
@@ -93,8 +106,8 @@ impl Mvc {
         vehicle.sense(&world, Timestamp::ZERO);
         let services = Services::new(file, &world, &mut vehicle, seed);
         Ok(Self {
-            sensors: Sensors::new(file, &vehicle, seed),
-            mission: Mission::new(file, plan, interpretation, period, seed),
+            sensors: Sensors::new(file, &interpretation, &vehicle, seed),
+            mission: Mission::new(file, dives, interpretation, period, seed),
             services,
             server: Server::new(file, &interpretation, seed),
             faults: Timeline::new(&file.faults)?,
@@ -171,13 +184,20 @@ impl Mvc {
     /// Bytes from a client as they arrived: any number of sentences, of which the last may be incomplete.
     pub fn receive(&mut self, now: Timestamp, client: ClientId, bytes: &[u8]) {
         self.handle_timeout(now);
-        for chunk in bytes.chunks(CHUNK) {
-            self.server.push(client, chunk);
+        // A vehicle that answers broken lines answers them in their order among the good ones.
+        let by_line = self.interpretation.broken_lines_answered;
+        let pieces = bytes.chunks(CHUNK);
+        for piece in pieces.flat_map(|chunk| chunk.split_inclusive(|byte| by_line && *byte == b'\n')) {
+            self.server.push(client, piece);
             while let Some(received) = self.server.next_received(client) {
                 match received {
                     Received::Command(command) => self.command(now, client, command),
                     Received::Malformed(name, text) => self.server.malformed(now, client, name, text.as_str()),
                 }
+                self.settle(now);
+            }
+            if by_line && piece.ends_with(b"\n") && self.server.ends_broken_line(client) {
+                self.server.no_sentence(now, client);
                 self.settle(now);
             }
         }
@@ -281,13 +301,12 @@ impl Mvc {
         }
     }
 
-    /// Whether the mission has completed, was aborted or was killed.
+    /// Whether the mission has completed, was aborted, was killed or cannot start, and no other dive is loaded without an
+    /// operator.
     #[must_use]
     pub fn mission_over(&self) -> bool {
-        matches!(
-            self.mission.status(),
-            Status::Completed | Status::Aborted | Status::Stopped
-        )
+        let status = self.mission.status();
+        status.is_free() && status != Status::Waiting && !self.mission.is_next_dive_waiting()
     }
 
     /// The mission's status.

@@ -428,8 +428,13 @@ impl Simulation {
         }
         let outcome = match self.mvc.mission_status() {
             Status::Completed => "completed",
-            Status::Aborted | Status::Stopped => "aborted",
-            Status::Ready | Status::Running | Status::WrappingUp | Status::Aborting => "overran",
+            Status::Aborted | Status::Stopped | Status::InvalidDiveFile | Status::InvalidWrapupFile => "aborted",
+            Status::Offline
+            | Status::Waiting
+            | Status::Ready
+            | Status::Running
+            | Status::WrappingUp
+            | Status::Aborting => "overran",
         };
         let (requests, requests_open) = (self.request_counts(), self.open_requests());
         let seen = self.oracle.statistics();

@@ -15,8 +15,8 @@ const ENDS_WITHIN: Duration = Duration::from_secs(180);
 
 /// A command line of the program.
 ///
-/// It runs in an empty folder, with the project's plugins in `$BACKSEAT_PLUGINS`, without other `BACKSEAT*` variables,
-/// and with the user's state in that folder.
+/// It runs in an empty folder, with the project's plugins in `$BACKSEAT_PLUGINS`, with the tests' own cache of compiled
+/// plugins, without other `BACKSEAT*` variables, and with the user's state in that folder.
 #[derive(Debug, Default)]
 pub struct Backseat {
     arguments: Vec<OsString>,
@@ -157,6 +157,7 @@ impl Backseat {
             }
         }
         command.env("BACKSEAT_PLUGINS", backseat_test_support::plugins());
+        command.env("BACKSEAT_CACHE", backseat_test_support::cache());
         command.envs(self.environment);
         command.args(self.arguments);
         Process::start(command, self.folder, self.stdout, self.stderr, &self.stdin)

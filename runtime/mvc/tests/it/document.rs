@@ -9,7 +9,7 @@ fn the_mock_accepts_the_files_of_the_documentation() {
         .skip(1)
         .filter_map(|rest| rest.split("```").next())
         .collect();
-    assert_eq!(files.len(), 2);
+    assert_eq!(files.len(), 3);
     for file in files {
         let world = WorldFile::from_toml(file).unwrap_or_else(|error| panic!("{error}"));
         for seed in 0..3 {

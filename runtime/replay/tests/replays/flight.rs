@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use backseat_mission::{Layers, Mission};
-use backseat_plugin_host::Host;
+use backseat_plugin_host::{Cache, Host};
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, LogReader, Message, Rate, Recorder, Sources};
 use backseat_replay::{Configs, Flow, Given, Replay, ReplayError, Report, Task};
@@ -78,7 +78,7 @@ impl Log {
     ) -> Result<Report, ReplayError> {
         let mut log = self.reader();
         let task = Task::of(&log, configs)?;
-        let mut replay = Replay::new(task, &Host::new().unwrap(), given, 3)?;
+        let mut replay = Replay::new(task, &host(), given, 3)?;
         while let Some(message) = log.next_message().unwrap() {
             for message in change(message) {
                 if replay.take(message)? == Flow::Over {
@@ -88,6 +88,12 @@ impl Log {
         }
         Ok(replay.finish(log.is_complete()))
     }
+}
+
+/// A host with the cache of the tests.
+pub(crate) fn host() -> Host {
+    let cache = Cache::new(backseat_test_support::cache(), |_| {});
+    Host::new().unwrap().with_cache(Some(cache))
 }
 
 /// A component of the project for a plugin.
@@ -142,7 +148,7 @@ impl Flight {
     pub(crate) fn log_with(&self, interfere: &mut dyn FnMut(&mut Simulation)) -> Log {
         let mission = Mission::load(&self.mission, &Layers::default()).unwrap();
         let scenario = Scenario::load(&mission).unwrap();
-        let loaded = load_plugins(&Host::new().unwrap(), &mission, Some(plugins())).unwrap();
+        let loaded = load_plugins(&host(), &mission, Some(plugins())).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.mcap");
         let header = Header {

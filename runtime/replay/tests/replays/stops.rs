@@ -51,7 +51,7 @@ fn stand_in() -> backseat_plugin_host::Plugin {
     use backseat_plugin_loader::Components;
     let layers = backseat_mission::Layers::default();
     let mission = backseat_mission::Mission::load(&backseat_test_support::mission("isobath"), &layers).unwrap();
-    let host = backseat_plugin_host::Host::new().unwrap();
+    let host = crate::flight::host();
     let mut components = Components::new();
     components
         .insert(&host, "isobath", &crate::flight::given("isobath", "isobath").bytes)

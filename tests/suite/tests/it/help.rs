@@ -33,13 +33,23 @@ fn every_command_explains_its_flags() {
                 "--speed",
                 "--json",
                 "--plugins",
+                "--no-cache",
             ]
             .as_slice(),
         ),
         ("run", &["--connect", "--arm", "--log", "--state", "--first-identifier"]),
         (
             "replay",
-            &["--plugin", "--config", "--set", "--steps", "--map", "--open", "--json"],
+            &[
+                "--plugin",
+                "--config",
+                "--set",
+                "--steps",
+                "--map",
+                "--open",
+                "--no-cache",
+                "--json",
+            ],
         ),
         (
             "fly",
@@ -71,7 +81,7 @@ fn every_command_explains_its_flags() {
             ],
         ),
         ("plc", &["--listen", "--folder", "--seed", "--log", "--duration"]),
-        ("check", &["--resolved", "--set"]),
+        ("check", &["--resolved", "--set", "--no-cache"]),
     ] {
         let help = Backseat::new().args([command, "--help"]).run().exit(0);
         let argument = if command == "replay" {

@@ -4,6 +4,7 @@
 mod clocks;
 mod connect;
 mod disk;
+mod dives;
 mod external;
 mod fly;
 mod heard;

@@ -12,7 +12,16 @@ use crate::cli::MissionArguments;
 ///
 /// If this machine cannot run WebAssembly.
 pub(crate) fn host(arguments: &MissionArguments) -> Result<Host, HostError> {
-    let cache = if arguments.no_cache { None } else { Cache::of_user(tell) };
+    host_with(!arguments.no_cache)
+}
+
+/// A host with the cache or without it.
+///
+/// # Errors
+///
+/// If this machine cannot run WebAssembly.
+pub(crate) fn host_with(cache: bool) -> Result<Host, HostError> {
+    let cache = if cache { Cache::of_user(tell) } else { None };
     Ok(Host::new()?.with_cache(cache))
 }
 

@@ -12,6 +12,7 @@ use crate::log::Log;
 use crate::mvc::Mvc;
 #[cfg(feature = "simulation")]
 use crate::plc::Plc;
+use crate::replay::Replay;
 use crate::run::Run;
 use crate::s7k::S7k;
 #[cfg(feature = "simulation")]
@@ -70,6 +71,22 @@ pub(crate) enum Command {
     Plc(Plc),
     /// Check a mission before a dive: its files, fence, plugins and plan
     Check(Check),
+    /// Replay the log of a run: core and plugins again from the recorded inputs
+    ///
+    /// Core gets the recorded inputs, and every output must be the recorded one, byte for byte. Each plugin gets the
+    /// recorded steps, and must return what it returned then, with the same fuel. The log has all that this needs:
+    /// mission, fence and components. A component over 8 MiB is in it by its hash alone; give it with --plugin.
+    ///
+    /// With --plugin NAME=FILE another component, such as a new version, takes a plugin's place: the program shows in
+    /// which steps it asks for something else, what it knew there, what core made of the recorded request, and what the
+    /// safety monitor says of the new one. Nothing that it asks for has an effect: its inputs stay the recorded ones. If
+    /// it fails, it is restarted before its next step.
+    ///
+    /// Calls of plugins that the clock of a dive ended are ended again, without a clock. The log of a killed process is
+    /// replayed as far as it goes. After a gap, where the disk was too slow, nothing can be replayed.
+    ///
+    /// Exit code: 0 if all is identical, 1 if not, 2 if the log or a part of it cannot be replayed.
+    Replay(Replay),
     /// Show or judge the log of a run
     #[command(subcommand)]
     Log(Log),

@@ -145,7 +145,7 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
             &log,
             &mission,
             Some((arguments.vehicle.seed, &scenario.text)),
-            &loaded.components,
+            &loaded,
             &clock,
         )?;
         let start = Start {

@@ -11,7 +11,9 @@ mod show;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use backseat_recorder::{RecorderError, read};
+use backseat_mission::Mission;
+use backseat_plugin_loader::Loaded;
+use backseat_recorder::{RecorderError, Sources, read};
 use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
@@ -80,8 +82,22 @@ pub(crate) fn log(command: &Log) -> Result<bool> {
 #[cfg(feature = "simulation")]
 pub(crate) use show::plugin_lines;
 
+/// What the log of a run has of its mission for a replay.
+pub(crate) fn sources<'a>(mission: &'a Mission, loaded: &'a Loaded) -> Sources<'a> {
+    Sources {
+        plan: mission.plan.as_ref().map(|plan| plan.text.as_str()),
+        fence: mission.other_fence(),
+        plugins: &loaded.setups,
+    }
+}
+
 fn read_log(path: &Path) -> Result<backseat_recorder::Log> {
-    match read(path) {
+    expected_log(read(path))
+}
+
+/// Says what was expected of a log that cannot be read.
+pub(crate) fn expected_log<T>(log: Result<T, RecorderError>) -> Result<T> {
+    match log {
         // It is the log of a run.
         Err(error @ RecorderError::Format { .. }) => Err(error.into()),
         log => log.context("expected the log of a run, written by `run`, `fly` or `sim --log`"),

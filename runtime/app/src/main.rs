@@ -34,6 +34,7 @@ mod rate;
 #[cfg(test)]
 mod real_time;
 mod recording;
+mod replay;
 mod run;
 mod s7k;
 mod service;
@@ -104,6 +105,7 @@ fn program() -> ExitCode {
         #[cfg(feature = "simulation")]
         Command::Plc(arguments) => plc::plc(arguments),
         Command::Check(arguments) => check::check(arguments),
+        Command::Replay(arguments) => replay::replay(arguments),
         Command::Log(command) => log::log(command),
         Command::Spi(command) => spi::spi(command),
         Command::S7k(command) => s7k::s7k(command),

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use backseat_core::Restarted;
 use backseat_core::plugin::{FaultKind, PluginFault, PluginId, Returned, StepInput};
-use backseat_plugin_host::{Host, Plugin};
+use backseat_plugin_host::{Host, PANICKED, Plugin};
 use tokio::sync::mpsc::UnboundedSender;
 
 use crate::clock::{Clock, Working};
@@ -120,7 +120,7 @@ impl Order {
     fn lost(&self, plugin: PluginId) -> Answer {
         let fault = PluginFault {
             kind: FaultKind::Start,
-            text: "its thread has panicked".to_owned(),
+            text: PANICKED.to_owned(),
         };
         match self {
             Self::Step(_) => Answer::Returned(

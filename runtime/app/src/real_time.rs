@@ -97,6 +97,7 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
         world: None,
         components: &[],
         version: "0",
+        sources: backseat_recorder::Sources::default(),
     };
     let start = Start {
         utc: clock.utc_at_start(),

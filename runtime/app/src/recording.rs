@@ -222,7 +222,7 @@ impl Drop for Queue {
 
 #[cfg(test)]
 mod tests {
-    use backseat_recorder::{Rate, Record, parse};
+    use backseat_recorder::{Rate, Record, Sources, parse};
     use backseat_units::{Position, Utc};
 
     use super::*;
@@ -279,6 +279,7 @@ mod tests {
             world: None,
             components: &[],
             version: "0",
+            sources: Sources::default(),
         }
     }
 

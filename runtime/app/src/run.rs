@@ -23,6 +23,7 @@ use crate::clock::Clock;
 use crate::external::Ports;
 use crate::helm::Helm;
 use crate::keeper::Keeper;
+use crate::log::sources;
 use crate::operator::Signals;
 use crate::owner::explained;
 use crate::plugins::Crew;
@@ -84,7 +85,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
     let log = log_in(&arguments.log, &mission);
-    let mut recorder = open_log(&log, &mission, None, &loaded.components, &clock)?;
+    let mut recorder = open_log(&log, &mission, None, &loaded, &clock)?;
     let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
     info!(
         "plugins: {cached} from the cache, {} compiled",
@@ -202,7 +203,7 @@ pub(crate) fn open_log(
     path: &Path,
     mission: &Mission,
     simulated: Option<(u64, &str)>,
-    components: &[(String, Vec<u8>)],
+    loaded: &Loaded,
     clock: &Clock,
 ) -> Result<Recording> {
     if let Some(folder) = path.parent() {
@@ -220,8 +221,9 @@ pub(crate) fn open_log(
             fence: &mission.fence_text,
             origin: mission.envelope.fence().frame().origin(),
             world: simulated.map(|(_, world)| world),
-            components,
+            components: &loaded.components,
             version: env!("CARGO_PKG_VERSION"),
+            sources: sources(mission, loaded),
         },
     )
 }

@@ -18,7 +18,7 @@ use tracing::{Level, enabled, info, warn};
 use crate::cache::host;
 use crate::cli::MissionArguments;
 use crate::clock::{Clock, pause};
-use crate::log::plugin_lines;
+use crate::log::{plugin_lines, sources};
 use crate::map::open;
 use crate::output::say;
 use crate::plc::disk::{Files, Folder, file_of};
@@ -110,6 +110,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
                 world: Some(&scenario.text),
                 components: &loaded.components,
                 version: env!("CARGO_PKG_VERSION"),
+                sources: sources(&mission, &loaded),
             },
         )?),
         None => None,

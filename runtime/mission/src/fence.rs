@@ -38,6 +38,8 @@ pub(crate) struct Loaded {
     pub(crate) file: &'static str,
     /// The fence as GeoJSON with polygons only, for readers of no other format.
     pub(crate) text: String,
+    /// The text of its file, if it is another.
+    pub(crate) as_read: Option<String>,
 }
 
 /// Reads the fence of a mission's folder, which must have exactly one.
@@ -56,8 +58,21 @@ pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, 
             return Err(value(folder, several));
         }
     };
+    let text = read(&folder.join(file))?;
+    read_text(folder, file, text, table)
+}
+
+/// Reads the fence from the text of this file of a mission's folder.
+pub(crate) fn read_text(
+    folder: &Path,
+    file: &str,
+    text: String,
+    table: Option<&FenceTable>,
+) -> Result<Loaded, MissionError> {
     let path = folder.join(file);
-    let text = read(&path)?;
+    let Some(file) = FILES.into_iter().find(|known| *known == file) else {
+        return Err(value(&path, format!("expected one of {}", FILES.join(", "))));
+    };
     let mission = || folder.join("mission.toml");
     let terms = || match table {
         Some(table) => table.terms().map_err(|message| value(&mission(), message)),
@@ -78,12 +93,17 @@ pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, 
         _ => Fence::from_geojson(&text),
     };
     let fence = fence.map_err(|error| value(&path, error.to_string()))?;
-    let text = if file == "fence.geojson" && has_areas_alone(&text) {
-        text
+    let (text, as_read) = if file == "fence.geojson" && has_areas_alone(&text) {
+        (text, None)
     } else {
-        fence.to_geojson()
+        (fence.to_geojson(), Some(text))
     };
-    Ok(Loaded { fence, file, text })
+    Ok(Loaded {
+        fence,
+        file,
+        text,
+        as_read,
+    })
 }
 
 impl FenceTable {

@@ -23,7 +23,7 @@ pub use error::MissionError;
 pub use external::ExternalTable;
 pub use fence::FenceTable;
 pub use file::{BudgetTable, MissionFile, PlanTable, PluginTable, VehicleTable};
-pub use mission::{Layers, Mission};
+pub use mission::{Layers, Mission, RecordedParts};
 pub use plan::FrontSeatPlan;
 pub use predive::{Dive, beyond_class};
 pub use unknown::with_suggestion;

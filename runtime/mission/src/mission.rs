@@ -41,10 +41,27 @@ pub struct Mission {
     /// The fence as GeoJSON with polygons only: the text of `fence.geojson` if it has nothing else, otherwise written
     /// from the fence that was read.
     pub fence_text: String,
+    /// The fence's file, if `fence_text` was written from it.
+    fence_as_read: Option<String>,
     /// The front seat's plan that the mission names, if it names one.
     pub plan: Option<FrontSeatPlan>,
     /// The whole mission file after merging, as TOML.
     pub resolved: String,
+}
+
+/// What the log of a run has of its mission.
+#[derive(Clone, Copy, Debug)]
+pub struct RecordedParts<'a> {
+    /// The mission's name.
+    pub name: &'a str,
+    /// [`Mission::resolved`].
+    pub mission: &'a str,
+    /// The name and the text of the fence's file: `fence.geojson`, `fence.plan` or `fence.kml`.
+    pub fence: (&'a str, &'a str),
+    /// The text of the plan that the mission names.
+    pub plan: Option<&'a str>,
+    /// `plugin.NAME.KEY=VALUE` to change in it.
+    pub set: &'a [String],
 }
 
 impl MissionFile {
@@ -74,43 +91,75 @@ impl Mission {
         let text = read(&path)?;
         // Parsed on its own first, because merging loses the line numbers.
         toml::from_str::<MissionFile>(&text).map_err(|error| toml_error(&path, &text, &error))?;
-        let mut file = layered(&path, &text, layers)?;
-        check_externals(&file.externals).map_err(|fault| value(&path, fault))?;
-        file.session.externals = file.externals.iter().map(ExternalTable::setup).collect();
-        file.limits
-            .validate()
-            .map_err(|error| value(&path, format!("limits.{error}")))?;
-        file.recovery
-            .validate()
-            .map_err(|error| value(&path, format!("recovery.{error}")))?;
-        file.session.recovery.clone_from(&file.recovery);
-        check_texts(&path, &file.session)?;
-        check_vehicle(&path, &file.vehicle)?;
-        check_plugins(&path, &file.plugins)?;
-        check_sonar(file.sonar.as_ref(), &file.plugins).map_err(|fault| value(&path, fault))?;
-        check_policies(&path, &file.policies)?;
-        check_holds(&path, &file.session, &file.policies)?;
-        file.session.policies.clone_from(&file.policies);
-
+        let file = layered(&path, &text, layers)?;
+        check(&path, &file)?;
         let fence = fence::load(folder, file.fence.as_ref())?;
-
         let plan = match &file.plan {
             Some(table) => Some(plan::load(folder, table, file.vehicle.class)?),
             None => None,
         };
+        let name = folder
+            .canonicalize()
+            .unwrap_or_else(|_| folder.to_path_buf())
+            .file_name()
+            .map_or_else(|| "mission".to_owned(), |name| name.to_string_lossy().into_owned());
+        Self::assemble(name, folder, file, fence, plan)
+    }
+
+    /// Reads the mission of a run again from what the run's log has of it. The settings, the fence and the limits have
+    /// the bits that they had in the run.
+    ///
+    /// # Errors
+    ///
+    /// [`MissionError`] in one line, with the attachment and the place; [`MissionError::Value`] if the mission names a
+    /// plan and `parts` have none.
+    pub fn recorded(parts: &RecordedParts<'_>) -> Result<Self, MissionError> {
+        let path = Path::new("mission.toml");
+        let text = set::plugins(parts.mission, parts.set)?;
+        let file: MissionFile = toml::from_str(&text).map_err(|error| toml_error(path, &text, &error))?;
+        check(path, &file)?;
+        let (name, text) = parts.fence;
+        // With a fence that was written as GeoJSON, the table is of the file from which it was read.
+        let table = file.fence.as_ref().filter(|_| name != "fence.geojson");
+        let fence = fence::read_text(Path::new(""), name, text.to_owned(), table)?;
+        let plan = match (&file.plan, parts.plan) {
+            (Some(table), Some(text)) => Some(plan::of_text(
+                Path::new(""),
+                table,
+                file.vehicle.class,
+                text.to_owned(),
+            )?),
+            (Some(table), None) => {
+                let missing = format!("plan.file is {:?}, and the log does not have this file", table.file);
+                return Err(value(path, missing));
+            }
+            (None, _) => None,
+        };
+        Self::assemble(parts.name.to_owned(), Path::new(""), file, fence, plan)
+    }
+
+    fn assemble(
+        name: String,
+        folder: &Path,
+        mut file: MissionFile,
+        fence: fence::Loaded,
+        plan: Option<FrontSeatPlan>,
+    ) -> Result<Self, MissionError> {
+        file.session.externals = file.externals.iter().map(ExternalTable::setup).collect();
+        file.session.recovery.clone_from(&file.recovery);
+        file.session.policies.clone_from(&file.policies);
         file.session.trackcircle_entry_angle = file.vehicle.trackcircle_entry_angle;
         file.session.sonar = file.sonar.as_ref().map(|sonar| SonarSetup {
             sensors: sonar.sensor.iter().map(|sensor| sensor.index).collect(),
             log_with_vehicle: sonar.log_with_vehicle,
         });
         file.session.expected_plan = plan.as_ref().map(FrontSeatPlan::expected);
-        let resolved =
-            toml::to_string(&file).map_err(|error| value(&path, format!("cannot be written as TOML: {error}")))?;
-        let name = folder
-            .canonicalize()
-            .unwrap_or_else(|_| folder.to_path_buf())
-            .file_name()
-            .map_or_else(|| "mission".to_owned(), |name| name.to_string_lossy().into_owned());
+        let resolved = toml::to_string(&file).map_err(|error| {
+            value(
+                &folder.join("mission.toml"),
+                format!("cannot be written as TOML: {error}"),
+            )
+        })?;
         let envelope = Arc::new(Envelope::new(fence.fence, file.limits.clone()));
         Ok(Self {
             name,
@@ -119,9 +168,16 @@ impl Mission {
             envelope,
             fence_file: fence.file,
             fence_text: fence.text,
+            fence_as_read: fence.as_read,
             plan,
             resolved,
         })
+    }
+
+    /// The name and the text of the fence's file, if [`Mission::fence_text`] is not that text.
+    #[must_use]
+    pub fn other_fence(&self) -> Option<(&'static str, &str)> {
+        self.fence_as_read.as_deref().map(|text| (self.fence_file, text))
     }
 
     /// Where each plugin's component is, in priority order.
@@ -180,6 +236,23 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
         message: with_new_name(&dotted(&one_line(&error.to_string()))),
     };
     builder.build().map_err(over)?.try_deserialize().map_err(over)
+}
+
+/// Checks the values that no type checks.
+fn check(path: &Path, file: &MissionFile) -> Result<(), MissionError> {
+    check_externals(&file.externals).map_err(|fault| value(path, fault))?;
+    file.limits
+        .validate()
+        .map_err(|error| value(path, format!("limits.{error}")))?;
+    file.recovery
+        .validate()
+        .map_err(|error| value(path, format!("recovery.{error}")))?;
+    check_texts(path, &file.session)?;
+    check_vehicle(path, &file.vehicle)?;
+    check_plugins(path, &file.plugins)?;
+    check_sonar(file.sonar.as_ref(), &file.plugins).map_err(|fault| value(path, fault))?;
+    check_policies(path, &file.policies)?;
+    check_holds(path, &file.session, &file.policies)
 }
 
 fn check_plugins(path: &Path, plugins: &[PluginTable]) -> Result<(), MissionError> {

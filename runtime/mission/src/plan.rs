@@ -62,7 +62,15 @@ impl FrontSeatPlan {
     ///
     /// [`MissionError`] with the file, and the line or the element.
     pub fn read(path: &Path, vehicle: &VehicleLimits, origin: Option<Position>) -> Result<Self, MissionError> {
-        let text = read(path)?;
+        Self::of_text(path, read(path)?, vehicle, origin)
+    }
+
+    fn of_text(
+        path: &Path,
+        text: String,
+        vehicle: &VehicleLimits,
+        origin: Option<Position>,
+    ) -> Result<Self, MissionError> {
         let fault = |message: String| value(path, message);
         let file = if path.file_name().is_some_and(|name| name == "world.toml") {
             toml::from_str::<PlanOfWorld>(&text).map(PlanFile::from)
@@ -151,6 +159,11 @@ pub(crate) fn load(
     table: &PlanTable,
     class: Option<VehicleClass>,
 ) -> Result<FrontSeatPlan, MissionError> {
+    check_tolerance(folder, table)?;
+    of_text(folder, table, class, read(&folder.join(&table.file))?)
+}
+
+fn check_tolerance(folder: &Path, table: &PlanTable) -> Result<(), MissionError> {
     if !(table.tolerance_m > 0.0 && table.tolerance_m <= TOLERANCE_MAX_M) {
         let message = format!(
             "plan.tolerance_m is {}: expected metres above 0 and at most {TOLERANCE_MAX_M}",
@@ -158,8 +171,19 @@ pub(crate) fn load(
         );
         return Err(value(&folder.join("mission.toml"), message));
     }
+    Ok(())
+}
+
+/// The plan that a mission names, from the text of its file.
+pub(crate) fn of_text(
+    folder: &Path,
+    table: &PlanTable,
+    class: Option<VehicleClass>,
+    text: String,
+) -> Result<FrontSeatPlan, MissionError> {
+    check_tolerance(folder, table)?;
     let vehicle = class.map_or_else(VehicleLimits::of_any_class, VehicleClass::limits);
-    let plan = FrontSeatPlan::read(&folder.join(&table.file), &vehicle, None)?;
+    let plan = FrontSeatPlan::of_text(&folder.join(&table.file), text, &vehicle, None)?;
     Ok(FrontSeatPlan {
         tolerance_m: table.tolerance_m,
         ..plan

@@ -13,6 +13,7 @@ pub(crate) const REJECTED: &str = "#c1121f";
 pub(crate) const HIGHLIGHT: &str = "#0b3c8c";
 pub(crate) const INSERT: &str = "#6a1b9a";
 pub(crate) const MODIFY: &str = "#e66100";
+pub(crate) const NOW: &str = "#0072b2";
 pub(crate) const FRONT_SEAT: &str = "#1f2a30";
 
 pub(crate) const fn steer(steer: Steer) -> &'static str {

@@ -134,6 +134,14 @@ fn signs(picture: &Picture) -> Vec<(&'static str, Sign)> {
     if !picture.lease_ends.is_empty() {
         signs.push(("lease ends", Box::new(|at| vec![dot(at, "#ffffff", ink::MODIFY)])));
     }
+    for (asked, name, colour) in [
+        (&picture.asked_then, "asked then, and not now", ink::MODIFY),
+        (&picture.asked_now, "asked now instead", ink::NOW),
+    ] {
+        if !asked.is_empty() {
+            signs.push((name, Box::new(move |at| vec![line(at, colour, "1.5", "")])));
+        }
+    }
     for (kind, name, margin_name, colour, fill) in [
         (ZoneKind::KeepIn, "stay inside", "its margin", ink::KEEP_IN, "#ffffff"),
         (

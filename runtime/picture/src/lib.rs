@@ -40,6 +40,7 @@ pub fn render(picture: &Picture) -> String {
     tracks::draw_inserts(&mut canvas, &view, &picture.inserts);
     tracks::draw_rejected(&mut canvas, &view, &picture.rejected);
     tracks::draw_flown(&mut canvas, &view, picture, &mut labels);
+    tracks::draw_asked(&mut canvas, &view, picture);
     labels::draw(&mut canvas, &mut labels, &view, picture, bands.as_ref());
     view.draw_frame(&mut canvas, picture);
     legend::draw(&mut canvas, &view, picture, bands.as_ref());

@@ -27,6 +27,10 @@ pub struct Picture {
     pub lease_begins: Vec<EastNorth>,
     /// The points where leases ended.
     pub lease_ends: Vec<EastNorth>,
+    /// Where a replay parts from its run: what was asked for then.
+    pub asked_then: Vec<Shape>,
+    /// And what the other plugin asks for now.
+    pub asked_now: Vec<Shape>,
     /// Who asked for what is drawn.
     pub payload: Payload,
 }

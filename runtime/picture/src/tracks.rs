@@ -53,6 +53,19 @@ pub(crate) fn draw_inserts(canvas: &mut Canvas, view: &View, inserts: &[Shape]) 
     ));
 }
 
+/// Draws where a replay parts from its run.
+pub(crate) fn draw_asked(canvas: &mut Canvas, view: &View, picture: &Picture) {
+    for (class, asked, colour) in [
+        ("asked-then", &picture.asked_then, ink::MODIFY),
+        ("asked-now", &picture.asked_now, ink::NOW),
+    ] {
+        let data: String = asked.iter().map(|shape| outline(view, shape)).collect();
+        if !data.is_empty() {
+            canvas.map(stroked(class, &data, colour, "1.5", "0.9"));
+        }
+    }
+}
+
 pub(crate) fn draw_rejected(canvas: &mut Canvas, view: &View, rejected: &[Rejected]) {
     let mut data = String::new();
     let mut crosses = String::new();

@@ -7,6 +7,7 @@ use wasmtime::{ResourceLimiter, Store, StoreContextMut, Trap};
 
 use crate::error::one_line;
 use crate::measures::Published;
+use crate::plugin::DEADLINE;
 use crate::v0_1_0::bindings;
 use crate::{Budget, Component};
 
@@ -158,6 +159,13 @@ impl Instance {
         &mut self.store.data_mut().published
     }
 
+    /// Keeps only the first lines since they were last taken, and forgets what was dropped.
+    pub(crate) fn truncate_log(&mut self, lines: usize) {
+        let state = self.store.data_mut();
+        state.log.truncate(lines);
+        state.lines_dropped = 0;
+    }
+
     /// The lines logged since this was last called, and how many more were dropped.
     pub(crate) fn take_log(&mut self) -> (Vec<LogLine>, u64) {
         let state = self.store.data_mut();
@@ -224,7 +232,7 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
     };
     let text = match kind {
         FaultKind::OutOfFuel => format!("used all its fuel: {} units", state.fuel),
-        FaultKind::Deadline => "ran past its deadline".to_owned(),
+        FaultKind::Deadline => DEADLINE.to_owned(),
         FaultKind::TooMuch => "passed more bytes to the host than one call may".to_owned(),
         FaultKind::Memory => {
             let refused = state.limits.refused.map(|refused| state.limits.describe(refused));

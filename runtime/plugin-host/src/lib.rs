@@ -47,4 +47,4 @@ pub use error::HostError;
 pub use host::{COMPILE_TIME, COMPONENT_BYTES, Component, Host, Origin};
 pub use inspection::{Inspection, inspect};
 pub use instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL};
-pub use plugin::{Plugin, Restarted, Started};
+pub use plugin::{PANICKED, Plugin, Restarted, Started};

@@ -90,6 +90,13 @@ impl Published {
         self.drop(name, dropped);
     }
 
+    /// Keeps only the first values, and forgets what was dropped.
+    pub(crate) fn truncate(&mut self, values: usize) {
+        self.values.truncate(values);
+        self.dropped = 0;
+        self.last = None;
+    }
+
     fn drop(&mut self, name: &str, why: Dropped) {
         self.dropped += 1;
         self.last = Some((name[..name.floor_char_boundary(NAME_BYTES)].to_owned(), why));

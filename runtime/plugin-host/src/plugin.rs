@@ -10,6 +10,16 @@ use crate::{Budget, Component, HostError, v0_1_0};
 /// The largest snapshot, bytes.
 const SNAPSHOT_BYTES: usize = 1 << 20;
 
+/// The text of the fault of a plugin whose host has panicked on the thread that runs it. The plugin is not used again.
+pub const PANICKED: &str = "its thread has panicked";
+/// The text of [`FaultKind::Deadline`].
+pub(crate) const DEADLINE: &str = "ran past its deadline";
+/// Fuel for repeating a step that a wall-clock limit ended: more than it can have used by then, because its budget may
+/// have no sensible bound.
+const STOPPED_FUEL: u64 = 5_000_000_000;
+/// Before the text of a snapshot's fault.
+const OF_SNAPSHOT: &str = "snapshot: ";
+
 /// A plugin that is running, or has failed and waits to be restarted.
 pub struct Plugin {
     component: Component,
@@ -114,6 +124,27 @@ impl Plugin {
     ///
     /// The judge receives the input without its events.
     pub fn step(&mut self, input: &StepInput) -> Returned {
+        self.step_until(input, None)
+    }
+
+    /// Repeats a step of a recorded run. Like [`Plugin::step`], but if the wall-clock limit of that run ended the step,
+    /// this one ends as well: with as many log lines and published values as the recorded one, and the same fault. The
+    /// clock is not asked again.
+    pub fn step_again(&mut self, input: &StepInput, recorded: &Returned) -> Returned {
+        let stop = match &recorded.result {
+            Err(fault) if fault.kind == FaultKind::Deadline && fault.text.starts_with(OF_SNAPSHOT) => {
+                Some(Stop::InSnapshot)
+            }
+            Err(fault) if fault.kind == FaultKind::Deadline => Some(Stop::InStep {
+                lines: recorded.log.len(),
+                values: recorded.measures.len(),
+            }),
+            Ok(_) | Err(_) => None,
+        };
+        self.step_until(input, stop)
+    }
+
+    fn step_until(&mut self, input: &StepInput, stop: Option<Stop>) -> Returned {
         self.inputs_since_snapshot += 1;
         let Some(instance) = &mut self.instance else {
             let text = "not running: it failed and has not been restarted".to_owned();
@@ -134,12 +165,22 @@ impl Plugin {
             events: Vec::new(),
             ..*input
         }));
-        let Called { mut fuel, result } = instance.call(
-            self.budget.fuel_per_step,
-            CALL_BYTES,
-            self.deadline_ticks,
-            |exports, store| exports.call_step(store, guest_input),
-        );
+        let fuel_max = match stop {
+            Some(Stop::InStep { .. }) => self.budget.fuel_per_step.min(STOPPED_FUEL),
+            Some(Stop::InSnapshot) | None => self.budget.fuel_per_step,
+        };
+        let Called { mut fuel, result } = match stop {
+            // Nothing of it can be compared, and the instance is lost.
+            Some(Stop::InStep { lines: 0, values: 0 }) => Called {
+                fuel: fuel_max,
+                result: Err(deadline()),
+            },
+            Some(Stop::InStep { .. } | Stop::InSnapshot) | None => {
+                instance.call(fuel_max, CALL_BYTES, self.deadline_ticks, |exports, store| {
+                    exports.call_step(store, guest_input)
+                })
+            }
+        };
         instance.set_step(None);
         let mut result = result.and_then(|returned| match returned {
             Ok(requests) => v0_1_0::requests(requests),
@@ -148,6 +189,11 @@ impl Plugin {
                 text: cut(&text).to_owned(),
             }),
         });
+        if let Some(Stop::InStep { lines, values }) = stop {
+            instance.truncate_log(lines);
+            instance.published().truncate(values);
+            result = Err(deadline());
+        }
         if result.as_ref().is_err_and(loses_the_instance) {
             fuel = self.budget.fuel_per_step;
         }
@@ -155,12 +201,18 @@ impl Plugin {
             self.steps_to_snapshot -= 1;
             if self.steps_to_snapshot == 0 {
                 self.steps_to_snapshot = self.budget.snapshot_every_steps;
-                let taken = instance.call(
-                    self.budget.fuel_snapshot,
-                    SNAPSHOT_BYTES,
-                    self.deadline_ticks,
-                    |exports, store| exports.call_snapshot(store),
-                );
+                let taken = match stop {
+                    Some(Stop::InSnapshot) => Called {
+                        fuel: self.budget.fuel_snapshot,
+                        result: Err(deadline()),
+                    },
+                    Some(Stop::InStep { .. }) | None => instance.call(
+                        self.budget.fuel_snapshot,
+                        SNAPSHOT_BYTES,
+                        self.deadline_ticks,
+                        |exports, store| exports.call_snapshot(store),
+                    ),
+                };
                 fuel += taken.fuel;
                 match taken.result {
                     Ok(state) => {
@@ -169,7 +221,7 @@ impl Plugin {
                     }
                     Err(fault) => {
                         result = Err(PluginFault {
-                            text: format!("snapshot: {}", fault.text),
+                            text: format!("{OF_SNAPSHOT}{}", fault.text),
                             kind: fault.kind,
                         });
                     }
@@ -217,6 +269,25 @@ impl Plugin {
             fuel: self.budget.fuel_init - left,
             log,
             result,
+            lost_steps: self.inputs_since_snapshot,
+        }
+    }
+
+    /// Repeats a restart of a recorded run. Like [`Plugin::restart`], but if the wall-clock limit of that run ended it,
+    /// this one fails in the same way.
+    pub fn restart_again(&mut self, recorded: &Result<(), PluginFault>) -> Restarted {
+        if !recorded.as_ref().is_err_and(|fault| fault.text == DEADLINE) {
+            return self.restart();
+        }
+        self.instance = None;
+        self.steps_to_snapshot = self.budget.snapshot_every_steps;
+        Restarted {
+            fuel: self.budget.fuel_init,
+            log: Vec::new(),
+            result: Err(PluginFault {
+                kind: FaultKind::Start,
+                ..deadline()
+            }),
             lost_steps: self.inputs_since_snapshot,
         }
     }
@@ -269,6 +340,23 @@ impl Plugin {
             text: format!("restore: {}", cut(&text)),
         })?;
         Ok(instance.fuel_left())
+    }
+}
+
+/// What ended in a recorded run when its wall-clock limit was reached.
+#[derive(Clone, Copy)]
+enum Stop {
+    /// The step, after so many log lines and published values.
+    InStep { lines: usize, values: usize },
+    /// The snapshot after it.
+    InSnapshot,
+}
+
+/// The wall-clock limit was reached.
+fn deadline() -> PluginFault {
+    PluginFault {
+        kind: FaultKind::Deadline,
+        text: DEADLINE.to_owned(),
     }
 }
 

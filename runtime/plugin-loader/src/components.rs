@@ -63,6 +63,28 @@ impl Components {
         self.compile(host, name, name, PathBuf::from(name), bytes)
     }
 
+    /// Whether there is a component of this name.
+    #[must_use]
+    pub fn has(&self, name: &str) -> bool {
+        self.by_name.contains_key(name)
+    }
+
+    /// Compiles a component from the bytes of a file; errors name the plugin that it is for, and the file.
+    ///
+    /// # Errors
+    ///
+    /// [`LoadError::Host`] if the host refuses it.
+    pub fn insert_file(
+        &mut self,
+        host: &Host,
+        name: &str,
+        plugin: &str,
+        path: PathBuf,
+        bytes: &[u8],
+    ) -> Result<(), LoadError> {
+        self.compile(host, name, plugin, path, bytes)
+    }
+
     /// Starts all plugins of a mission.
     ///
     /// # Errors
@@ -99,8 +121,21 @@ impl Components {
     ///
     /// [`LoadError`] with the plugin and the component.
     pub fn start_one(&self, component: &str, table: &PluginTable, mission: &Mission) -> Result<Plugin, LoadError> {
-        let compiled = self.find(&table.name, component)?;
-        Ok(compiled.start(table, mission)?.plugin)
+        Ok(self.start_described(component, table, mission)?.plugin)
+    }
+
+    /// As [`Components::start_one`], with what the plugin says about itself.
+    ///
+    /// # Errors
+    ///
+    /// [`LoadError`] with the plugin and the component.
+    pub fn start_described(
+        &self,
+        component: &str,
+        table: &PluginTable,
+        mission: &Mission,
+    ) -> Result<Started, LoadError> {
+        self.find(&table.name, component)?.start(table, mission)
     }
 
     fn compile(&mut self, host: &Host, name: &str, plugin: &str, path: PathBuf, bytes: &[u8]) -> Result<(), LoadError> {

@@ -25,7 +25,7 @@ pub enum RecorderError {
         /// Path of the file, or `in memory`.
         log: String,
         /// The channel's topic.
-        channel: &'static str,
+        channel: String,
         /// The reason.
         source: serde_json::Error,
     },
@@ -71,7 +71,7 @@ pub enum RecorderError {
         /// Path of the file, or `in memory`.
         log: String,
         /// The channel's topic.
-        channel: &'static str,
+        channel: String,
         /// The message's sequence number.
         sequence: u32,
         /// Where reading fails.

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use backseat_core::PluginSetup;
 use backseat_units::{Position, Utc};
 use sha2::{Digest, Sha256};
 
@@ -13,6 +14,12 @@ pub const COMPONENT_LIMIT: usize = 8 << 20;
 pub(crate) const FORMAT: &str = "2";
 /// Name of the metadata record about the run.
 pub(crate) const RUN: &str = "backseat";
+/// Name of the metadata record of what the plugins say about themselves.
+pub(crate) const DESCRIPTIONS: &str = "descriptions";
+/// Name of the attachment of the plan that the mission names.
+pub(crate) const PLAN: &str = "plan.toml";
+/// Before the name of a file of the mission that is attached as it was read.
+pub(crate) const AS_READ: &str = "as-read/";
 /// Name of the metadata record of the components' hashes.
 pub(crate) const COMPONENTS: &str = "components";
 
@@ -56,6 +63,18 @@ impl Rate {
     }
 }
 
+/// What a replay needs of the mission, and what the log has in no other form.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sources<'a> {
+    /// The plan that the mission names, TOML.
+    pub plan: Option<&'a str>,
+    /// The name and the text of the fence's file, if [`Header::fence`] was written from another text: a position that is
+    /// written and read again is rounded.
+    pub fence: Option<(&'a str, &'a str)>,
+    /// The plugins with what they say about themselves, in priority order: a component may be too large to be attached.
+    pub plugins: &'a [PluginSetup],
+}
+
 /// Facts about a run that are known before it begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Header<'a> {
@@ -79,6 +98,8 @@ pub struct Header<'a> {
     pub components: &'a [(String, Vec<u8>)],
     /// The program's version.
     pub version: &'a str,
+    /// For a replay.
+    pub sources: Sources<'a>,
 }
 
 impl Header<'_> {
@@ -109,16 +130,29 @@ impl Header<'_> {
             .collect()
     }
 
+    /// The metadata record of what the plugins say about themselves, JSON.
+    pub(crate) fn descriptions(&self) -> BTreeMap<String, String> {
+        let plugins = self.sources.plugins.iter();
+        plugins
+            .filter_map(|setup| Some((setup.name.clone(), serde_json::to_string(&setup.description).ok()?)))
+            .collect()
+    }
+
     /// The attachments: name, media type and content.
     pub(crate) fn attachments(&self) -> impl Iterator<Item = (Cow<'static, str>, &'static str, &[u8])> {
         let texts = [
             ("mission.toml", "application/toml", Some(self.resolved_mission)),
             ("fence.geojson", "application/geo+json", Some(self.fence)),
             ("world.toml", "application/toml", self.world),
+            (PLAN, "application/toml", self.sources.plan),
         ];
         let texts = texts
             .into_iter()
             .filter_map(|(name, media_type, text)| Some((Cow::Borrowed(name), media_type, text?.as_bytes())));
+        let fence = self.sources.fence.map(|(name, text)| {
+            let name = Cow::Owned(format!("{AS_READ}{name}"));
+            (name, "text/plain", text.as_bytes())
+        });
         let components = self
             .components
             .iter()
@@ -130,11 +164,11 @@ impl Header<'_> {
                     component.as_slice(),
                 )
             });
-        texts.chain(components)
+        texts.chain(fence).chain(components)
     }
 }
 
-fn component_name(plugin: &str) -> String {
+pub(crate) fn component_name(plugin: &str) -> String {
     format!("components/{plugin}.wasm")
 }
 

@@ -56,16 +56,20 @@
 //! In a deployed log, `invoke` outputs hold the whole input of the step. In a simulation's log they hold the plugin
 //! only: core can compute the rest again from its inputs, and it would be half of the file.
 //!
+//! What a simulation does to the process that it runs is on `/notes`, with the property `simulation` ([`Remark`]): core
+//! did not write it, and does not write it in a replay.
+//!
 //! **Metadata**, one record named `backseat`: `format` (2; a log of another format is refused), `version`, `mission`, `seed` (absent at sea), `rate`
 //! (`simulation` or `deployed`), `utc_at_start_ns`, `origin_latitude_deg` and `origin_longitude_deg`, `mission_sha256`
 //! and `fence_sha256` (of the attachments). One record named `components`: the SHA-256 of each plugin's component by its
-//! attachment's name.
+//! attachment's name. One record named `descriptions`: what each plugin says about itself, JSON, by the plugin's name.
 //!
 //! **Metres** on every channel count east and north of that origin, which is the origin of the fence's frame. A
 //! simulation's truth is converted to it. Only the attached `world.toml` has an origin of its own.
 //!
 //! **Attachments**: `mission.toml` (as resolved), `fence.geojson`, `world.toml` (only in simulation),
-//! `components/NAME.wasm` (those over [`COMPONENT_LIMIT`] only by their hash).
+//! `components/NAME.wasm` (those over [`COMPONENT_LIMIT`] only by their hash), `plan.toml` (the plan that the mission
+//! names), `as-read/NAME` (the fence's file, if `fence.geojson` was written from it: positions are rounded then).
 //!
 //! **Gaps.** A deployed runtime does not wait for the disk. Records that the disk does not accept in time are left out.
 //! A `gap` on `/core/input` has the time since when records are missing, and their number. What follows a gap cannot be
@@ -79,7 +83,9 @@
 
 mod bytes;
 mod channel;
+mod chunks;
 mod decimation;
+mod encode;
 mod error;
 mod header;
 mod log;
@@ -87,13 +93,19 @@ mod measures;
 mod message;
 mod plain;
 mod raw;
+mod reader;
 mod recorder;
+mod remark;
 mod schema;
 mod view;
 
 pub use channel::Channel;
+pub use chunks::Message;
+pub use encode::{Encoded, Encoder, encode_input};
 pub use error::RecorderError;
-pub use header::{COMPONENT_LIMIT, Header, Rate};
+pub use header::{COMPONENT_LIMIT, Header, Rate, Sources};
 pub use log::{Attachment, Entry, Log, Record, Run, parse, read};
-pub use message::LoggedInput;
+pub use message::{LoggedInput, described as describe_state};
+pub use reader::LogReader;
 pub use recorder::Recorder;
+pub use remark::Remark;

@@ -3,15 +3,14 @@ use std::path::Path;
 
 use backseat_core::{Reservation, Start};
 use backseat_units::{Position, Timestamp, Utc};
-use mcap::records::{MessageHeader, Record as Raw};
 use serde::de::Error as _;
 use serde_json::{Error, Map, Value};
 
 use crate::channel::Channel;
 use crate::error::RecorderError;
-use crate::header::{COMPONENTS, FORMAT, RUN, Rate};
+use crate::header::Rate;
 use crate::message::LoggedInput;
-use crate::raw::Records;
+use crate::reader::LogReader;
 use crate::{bytes, plain};
 
 /// A log, read as a whole.
@@ -183,142 +182,26 @@ pub fn parse(bytes: &[u8]) -> Result<Log, RecorderError> {
 }
 
 fn parse_named(bytes: &[u8], log: &str) -> Result<Log, RecorderError> {
-    let damaged = |source| RecorderError::Damaged {
-        log: log.to_owned(),
-        source: Box::new(source),
-    };
-    let records = Records::new(bytes).map_err(damaged)?;
-    let mut channels: BTreeMap<u16, Channel> = BTreeMap::new();
-    let mut run = None;
-    let mut components = BTreeMap::new();
-    let mut attachments = Vec::new();
+    let mut reader = LogReader::new(bytes, log.to_owned())?;
     let mut entries = Vec::new();
-    let mut complete = false;
-    for record in records {
-        match record.map_err(damaged)? {
-            Raw::Channel(channel) => {
-                if let Some(known) = Channel::from_topic(&channel.topic) {
-                    channels.insert(channel.id, known);
-                }
-            }
-            Raw::Metadata(metadata) if metadata.name == RUN => run = Some(metadata.metadata),
-            Raw::Metadata(metadata) if metadata.name == COMPONENTS => components = metadata.metadata,
-            Raw::Attachment { header, data, .. } => attachments.push(Attachment {
-                name: header.name,
-                media_type: header.media_type,
-                data: data.into_owned(),
-            }),
-            Raw::Message { header, data } => {
-                if let Some(channel) = channels.get(&header.channel_id) {
-                    entries.push((header, *channel, data.into_owned()));
-                }
-            }
-            Raw::DataEnd(_) => {
-                complete = true;
-                break;
-            }
-            Raw::Header(_)
-            | Raw::Footer(_)
-            | Raw::Schema { .. }
-            | Raw::Chunk { .. }
-            | Raw::MessageIndex(_)
-            | Raw::ChunkIndex(_)
-            | Raw::AttachmentIndex(_)
-            | Raw::Statistics(_)
-            | Raw::Metadata(_)
-            | Raw::MetadataIndex(_)
-            | Raw::SummaryOffset(_)
-            | Raw::Unknown { .. } => {}
+    while let Some(message) = reader.next_message()? {
+        if let Some(record) = reader.record(&message)? {
+            entries.push(Entry {
+                sequence: message.sequence,
+                now: message.now,
+                record,
+            });
         }
     }
-    let run = run.ok_or_else(|| foreign(log, "no metadata".to_owned(), "a metadata record named backseat"))?;
-    let run = read_run(&run, components, log)?;
-    let start_ns = run.utc_at_start.as_unix_nanos();
-    let entries = entries
-        .into_iter()
-        .map(|(header, channel, data)| read_entry(header, channel, &data, start_ns, log))
-        .collect::<Result<_, _>>()?;
     Ok(Log {
-        run,
-        attachments,
+        run: reader.run().clone(),
+        attachments: reader.attachments().to_vec(),
         entries,
-        complete,
+        complete: reader.is_complete(),
     })
 }
 
-fn foreign(log: &str, what: String, expected: &'static str) -> RecorderError {
-    RecorderError::Foreign {
-        log: log.to_owned(),
-        what,
-        expected,
-    }
-}
-
-fn read_run(
-    run: &BTreeMap<String, String>,
-    components: BTreeMap<String, String>,
-    log: &str,
-) -> Result<Run, RecorderError> {
-    let text = |key: &str| run.get(key).cloned().unwrap_or_default();
-    if text("format") != FORMAT {
-        return Err(RecorderError::Format {
-            log: log.to_owned(),
-            found: text("format"),
-            expected: FORMAT,
-        });
-    }
-    let rate = Rate::from_name(&text("rate"));
-    let seed = run.get("seed").map(|seed| seed.parse()).transpose();
-    Ok(Run {
-        version: text("version"),
-        mission: text("mission"),
-        seed: seed.map_err(|_| foreign(log, format!("seed {:?}", text("seed")), "a whole number"))?,
-        rate: rate.ok_or_else(|| foreign(log, format!("rate {:?}", text("rate")), "simulation or deployed"))?,
-        utc_at_start: Utc::from_unix_nanos(text("utc_at_start_ns").parse().map_err(|_| {
-            let what = format!("utc_at_start_ns {:?}", text("utc_at_start_ns"));
-            foreign(log, what, "nanoseconds since 1970")
-        })?),
-        origin: read_origin(run).ok_or_else(|| {
-            let what = format!(
-                "origin {:?} {:?}",
-                text("origin_latitude_deg"),
-                text("origin_longitude_deg")
-            );
-            foreign(log, what, "degrees of latitude and longitude")
-        })?,
-        mission_sha256: text("mission_sha256"),
-        fence_sha256: text("fence_sha256"),
-        components,
-    })
-}
-
-fn read_origin(run: &BTreeMap<String, String>) -> Option<Position> {
-    let degrees = |key| run.get(key)?.parse().ok();
-    let (latitude_deg, longitude_deg) = (degrees("origin_latitude_deg")?, degrees("origin_longitude_deg")?);
-    Position::from_deg(latitude_deg, longitude_deg).ok()
-}
-
-fn read_entry(
-    header: MessageHeader,
-    channel: Channel,
-    data: &[u8],
-    start_ns: u64,
-    log: &str,
-) -> Result<Entry, RecorderError> {
-    let record = read_record(channel, data).map_err(|source| RecorderError::Message {
-        log: log.to_owned(),
-        channel: channel.topic(),
-        sequence: header.sequence,
-        source,
-    })?;
-    Ok(Entry {
-        sequence: header.sequence,
-        now: Timestamp::from_nanos(header.log_time.saturating_sub(start_ns)),
-        record,
-    })
-}
-
-fn read_record(channel: Channel, data: &[u8]) -> Result<Record, Error> {
+pub(crate) fn read_record(channel: Channel, data: &[u8]) -> Result<Record, Error> {
     let json = || serde_json::from_slice::<Value>(data);
     let object = || serde_json::from_slice::<Map<String, Value>>(data);
     Ok(match channel {

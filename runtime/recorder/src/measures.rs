@@ -33,6 +33,14 @@ impl<'a> From<&'a Measure> for MeasureRow<'a> {
     }
 }
 
+/// The topic of a name.
+pub(crate) fn topic(plugins: &[String], plugin: PluginId, name: &str) -> String {
+    match plugins.get(plugin.0) {
+        Some(plugin) => format!("/measures/{plugin}/{name}"),
+        None => format!("/measures/{}/{name}", plugin.0),
+    }
+}
+
 impl Measures {
     pub(crate) fn new(header: &Header<'_>) -> Self {
         Self {
@@ -52,13 +60,12 @@ impl Measures {
         if let Some(id) = self.ids.get(&key) {
             return Ok(*id);
         }
-        let number = plugin.0.to_string();
-        let plugin = self.plugins.get(plugin.0).unwrap_or(&number);
+        let topic = topic(&self.plugins, plugin, name);
         let schema = Fields::new()
             .number("value", "In the unit.")
             .text("unit", "As the plugin gave it; may be empty.")
             .into_message("A value that a plugin published.", &["value", "unit"]);
-        let id = add(&format!("/measures/{plugin}/{name}"), &schema.to_string())?;
+        let id = add(&topic, &schema.to_string())?;
         self.ids.insert(key, id);
         Ok(id)
     }

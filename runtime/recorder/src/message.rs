@@ -7,6 +7,8 @@ use backseat_core::{
 };
 use serde::Serialize;
 
+use crate::remark::Remark;
+
 /// An input of core as logged, which can be given to core again.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoggedInput {
@@ -141,6 +143,26 @@ impl<'a> NoteRef<'a> {
     }
 }
 
+/// A message of `/notes` that is not core's, for writing.
+#[derive(Serialize)]
+pub(crate) struct RemarkRef<'a> {
+    note: &'static str,
+    text: &'a str,
+    simulation: &'static str,
+    plugin: Option<PluginId>,
+}
+
+impl<'a> RemarkRef<'a> {
+    pub(crate) const fn new(text: &'a str, remark: Remark) -> Self {
+        Self {
+            note: "text",
+            text,
+            simulation: remark.name(),
+            plugin: remark.plugin(),
+        }
+    }
+}
+
 /// A message of `/control`, for writing.
 #[derive(Serialize)]
 pub(crate) struct ControlRef<'a> {
@@ -230,7 +252,8 @@ impl<'a> RequestRef<'a> {
 }
 
 /// The name of a request's state, and why it was rejected, has failed or has ended.
-pub(crate) fn described(state: &RequestState) -> (&'static str, Option<String>) {
+#[must_use]
+pub fn described(state: &RequestState) -> (&'static str, Option<String>) {
     match state {
         RequestState::Rejected(refusal) => ("rejected", Some(refusal.to_string())),
         RequestState::Sent => ("sent", None),

@@ -5,7 +5,7 @@
 
 use mcap::read::ChunkReader;
 use mcap::records::{Record, op};
-use mcap::{MAGIC, McapError, McapResult, parse_record};
+use mcap::{McapError, McapResult, parse_record};
 
 /// The records of a file in order, up to where the file was cut. A chunk is replaced by its records.
 pub(crate) struct Records<'a> {
@@ -14,14 +14,12 @@ pub(crate) struct Records<'a> {
 }
 
 impl<'a> Records<'a> {
-    /// The records of a whole file or of its beginning.
-    ///
-    /// # Errors
-    ///
-    /// [`McapError::BadMagic`] if the file does not begin as MCAP.
-    pub(crate) fn new(file: &'a [u8]) -> McapResult<Self> {
-        let rest = file.strip_prefix(MAGIC).ok_or(McapError::BadMagic)?;
-        Ok(Self { rest, chunk: None })
+    /// The records in these bytes, which begin with one.
+    pub(crate) const fn of(bytes: &'a [u8]) -> Self {
+        Self {
+            rest: bytes,
+            chunk: None,
+        }
     }
 
     fn record(&mut self, opcode: u8, body: &'a [u8]) -> McapResult<Option<Record<'a>>> {

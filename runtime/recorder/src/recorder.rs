@@ -1,12 +1,11 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 
-use backseat_core::plugin::{Event, Measure, NavigationSample, PluginId, StepInput};
-use backseat_core::{Input, Note, Output, Start, ToSonar};
+use backseat_core::plugin::{Measure, NavigationSample, PluginId};
+use backseat_core::{Input, Note, Output, Start};
 use backseat_units::{LocalFrame, Position, Timestamp};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions};
@@ -15,12 +14,14 @@ use serde_json::{Value, json};
 
 use crate::channel::Channel;
 use crate::decimation::Decimation;
+use crate::encode::{Place, write_input, write_output};
 use crate::error::RecorderError;
-use crate::header::{COMPONENTS, Header, RUN, Rate};
-use crate::measures::{MeasureRow, Measures};
-use crate::message::{ControlRef, InputRef, Line, NavigationRow, NoteRef, OutputRef, RequestRef};
+use crate::header::{COMPONENTS, DESCRIPTIONS, Header, RUN, Rate};
+use crate::measures::Measures;
+use crate::message::{InputRef, Line, NavigationRow, RemarkRef};
+use crate::plain;
+use crate::remark::Remark;
 use crate::view::{Batch, Moment, Topic, View};
-use crate::{bytes, plain};
 
 /// A chunk that is larger than this is closed, bytes. At this size it is still in the processor's cache when it is
 /// copied, and closing it costs little.
@@ -146,33 +147,14 @@ impl<W: Write + Seek> Recorder<W> {
     }
 
     fn put_input(&mut self, now: Timestamp, input: &Input<'_>) -> Result<(), RecorderError> {
-        let message = match input {
-            // The most frequent inputs are written without the encoder.
-            Input::Received(bytes) => return self.put_with(Channel::FromVehicle, now, |out| bytes::write(out, bytes)),
-            Input::Timeout => return self.put(Channel::Input, now, br#"{"input":"timeout"}"#),
-            Input::External(external, bytes) => {
-                return self.put_with(Channel::Input, now, |out| {
-                    bytes::write_external(out, "input", *external, bytes);
-                });
-            }
-            Input::LinkUp => InputRef::LinkUp,
-            Input::LinkDown => InputRef::LinkDown,
-            Input::Returned(plugin, returned) => InputRef::Returned {
-                plugin: *plugin,
-                returned,
-            },
-            Input::Restarted(plugin, restarted) => InputRef::Restarted {
-                plugin: *plugin,
-                restarted,
-            },
-            Input::Operator(act) => InputRef::Operator { act },
-            Input::Sonar(report) => InputRef::Sonar { report },
-            Input::UtcSet(by_nanos) => InputRef::UtcSet { by_nanos: *by_nanos },
-            Input::Reserved(reservation) => InputRef::Reserved {
-                reservation: *reservation,
-            },
+        let mut json = std::mem::take(&mut self.json);
+        json.clear();
+        let result = match write_input(&mut json, input) {
+            Ok(channel) => self.put(channel, now, &json),
+            Err(source) => Err(self.encode_error(Channel::Input, source)),
         };
-        self.put_json(Channel::Input, now, &message)
+        self.json = json;
+        result
     }
 
     /// Records an output.
@@ -187,40 +169,31 @@ impl<W: Write + Seek> Recorder<W> {
     }
 
     fn put_output(&mut self, now: Timestamp, output: &Output) -> Result<(), RecorderError> {
-        let message = match output {
-            Output::Send(bytes) => return self.put_with(Channel::ToVehicle, now, |out| bytes::write(out, bytes)),
-            Output::Note(note) => return self.note(now, note),
-            Output::Connect { after } => OutputRef::Connect {
-                after_s: after.as_secs_f64(),
-            },
-            Output::ResetLink => OutputRef::ResetLink,
-            Output::Invoke(plugin, step) => match self.rate {
-                Rate::Simulation => {
-                    let PluginId(plugin) = plugin;
-                    return self.put_with(Channel::Output, now, |out| {
-                        out.extend_from_slice(format!(r#"{{"output":"invoke","plugin":{plugin}}}"#).as_bytes());
-                    });
-                }
-                Rate::Deployed => {
-                    let (plugin, step) = (*plugin, &*without_samples(step));
-                    return self.put_json(Channel::Output, now, &OutputRef::Invoke { plugin, step });
-                }
-            },
-            // What the client is told of the vehicle is in the vehicle's own sentences.
-            Output::Sonar(ToSonar::Navigation(..) | ToSonar::SoundSpeed { .. }) => return Ok(()),
-            Output::Sonar(order) => OutputRef::Sonar { order },
-            Output::External(external, bytes) => {
-                return self.put_with(Channel::Output, now, |out| {
-                    bytes::write_external(out, "output", *external, bytes);
-                });
-            }
-            Output::Restart(plugin) => OutputRef::Restart { plugin: *plugin },
-            Output::Reserve(reservation) => OutputRef::Reserve {
-                reservation: *reservation,
-            },
-            Output::Finish => OutputRef::Finish,
+        let mut json = std::mem::take(&mut self.json);
+        json.clear();
+        let result = match write_output(&mut json, &mut self.text, self.rate, output) {
+            Ok(None) => Ok(()),
+            Ok(Some(Place::Channel(channel))) => self.put(channel, now, &json),
+            Ok(Some(Place::Measure(plugin, measure))) => self
+                .measure_id(plugin, measure)
+                .and_then(|id| self.put_message(id, now, &json)),
+            Err(source) => Err(self.encode_error(Channel::Output, source)),
         };
-        self.put_json(Channel::Output, now, &message)
+        self.json = json;
+        result
+    }
+
+    /// Records what a simulation does to the process that it runs.
+    ///
+    /// # Errors
+    ///
+    /// [`RecorderError::Write`].
+    pub fn remark(&mut self, now: Timestamp, remark: Remark) -> Result<(), RecorderError> {
+        let text = remark.to_string();
+        self.put_json(Channel::Notes, now, &RemarkRef::new(&text, remark))?;
+        let note = Output::Note(Note::Text { text });
+        self.view.output(self.moment(now), &note, &mut self.derived);
+        self.put_derived(now)
     }
 
     /// Records navigation as the safety monitor uses it; in simulation only once a second.
@@ -301,47 +274,17 @@ impl<W: Write + Seek> Recorder<W> {
         }
     }
 
-    fn measure(&mut self, now: Timestamp, plugin: PluginId, measure: &Measure) -> Result<(), RecorderError> {
+    /// The channel of a published value.
+    fn measure_id(&mut self, plugin: PluginId, measure: &Measure) -> Result<u16, RecorderError> {
         let Self {
             measures, writer, log, ..
         } = self;
-        let id = measures.channel(plugin, &measure.name, |topic, schema| {
+        measures.channel(plugin, &measure.name, |topic, schema| {
             writer
                 .add_schema("backseat.Measure", "jsonschema", schema.as_bytes())
                 .and_then(|schema| writer.add_channel(schema, topic, ENCODING, &BTreeMap::new()))
                 .map_err(|source| write_error(log, source))
-        })?;
-        let mut json = std::mem::take(&mut self.json);
-        json.clear();
-        serde_json::to_writer(&mut json, &MeasureRow::from(measure)).expect("a Vec takes a finite number and a text");
-        let result = self.put_message(id, now, &json);
-        self.json = json;
-        result
-    }
-
-    fn note(&mut self, now: Timestamp, note: &Note) -> Result<(), RecorderError> {
-        if let Note::PluginMeasure { plugin, measure } = note {
-            return self.measure(now, *plugin, measure);
-        }
-        let mut text = std::mem::take(&mut self.text);
-        text.clear();
-        write!(text, "{note}").expect("a String takes everything");
-        #[expect(clippy::wildcard_enum_match_arm, reason = "all other notes go to one channel")]
-        let result = match note {
-            Note::Request(transition) => self.put_json(Channel::Requests, now, &RequestRef::new(&text, transition)),
-            Note::Control { granted, reason } => {
-                let message = ControlRef {
-                    text: &text,
-                    granted: *granted,
-                    reason: reason.map_or("", |reason| reason.text()),
-                    cause: reason.map(|reason| reason.name()),
-                };
-                self.put_json(Channel::Control, now, &message)
-            }
-            other => self.put_json(Channel::Notes, now, &NoteRef::new(&text, other)),
-        };
-        self.text = text;
-        result
+        })
     }
 
     fn put_json(&mut self, channel: Channel, now: Timestamp, message: &impl Serialize) -> Result<(), RecorderError> {
@@ -358,24 +301,9 @@ impl<W: Write + Seek> Recorder<W> {
     fn encode_error(&self, channel: Channel, source: serde_json::Error) -> RecorderError {
         RecorderError::Encode {
             log: self.log.clone(),
-            channel: channel.topic(),
+            channel: channel.topic().to_owned(),
             source,
         }
-    }
-
-    /// Records a message that is written without the encoder.
-    fn put_with(
-        &mut self,
-        channel: Channel,
-        now: Timestamp,
-        write: impl FnOnce(&mut Vec<u8>),
-    ) -> Result<(), RecorderError> {
-        let mut json = std::mem::take(&mut self.json);
-        json.clear();
-        write(&mut json);
-        let result = self.put(channel, now, &json);
-        self.json = json;
-        result
     }
 
     fn put(&mut self, channel: Channel, now: Timestamp, data: &[u8]) -> Result<(), RecorderError> {
@@ -455,7 +383,12 @@ fn open<W: Write + Seek>(writer: W, header: &Header<'_>) -> Result<Opened<W>, Mc
         .disable_seeking(true)
         .create(writer)?;
     let time = header.utc_at_start.as_unix_nanos();
-    for (name, metadata) in [(RUN, header.run()), (COMPONENTS, header.component_hashes())] {
+    let metadata = [
+        (RUN, header.run()),
+        (COMPONENTS, header.component_hashes()),
+        (DESCRIPTIONS, header.descriptions()),
+    ];
+    for (name, metadata) in metadata {
         writer.write_metadata(&Metadata {
             name: name.to_owned(),
             metadata,
@@ -499,21 +432,4 @@ fn write_error(log: &str, source: McapError) -> RecorderError {
         log: log.to_owned(),
         source: Box::new(source),
     }
-}
-
-/// A step's input without the samples of its pings, which the inputs of core have already.
-fn without_samples(step: &StepInput) -> Cow<'_, StepInput> {
-    let is_ping = |event: &Event| matches!(event, Event::Sidescan(_) | Event::SubBottom(_));
-    if !step.events.iter().any(is_ping) {
-        return Cow::Borrowed(step);
-    }
-    let mut step = step.clone();
-    for event in &mut step.events {
-        if let Event::Sidescan(ping) | Event::SubBottom(ping) = event {
-            for channel in &mut ping.channels {
-                channel.samples = Vec::new();
-            }
-        }
-    }
-    Cow::Owned(step)
 }

@@ -20,13 +20,13 @@ pub const PANICKED: u8 = 101;
 pub const EXITS: [Exit; 4] = [
     Exit {
         code: MET,
-        meaning: "Done. `sim`: every expectation held. `check`: ready. `fly`, `log judge`: no rule broke. `s7k verify`: \
-                  no fault. `run`: ended in order, also by a signal.",
+        meaning: "Done. `sim`: every expectation held. `check`: ready. `fly`, `log judge`: no rule broke. `replay`: all \
+                  is identical. `s7k verify`: no fault. `run`: ended in order, also by a signal.",
     },
     Exit {
         code: UNMET,
         meaning: "Done, and the answer is no. `sim`: an expectation did not hold. `check`: not ready. `fly`, `log judge`: \
-                  a rule broke. `s7k verify`: a fault in the recording.",
+                  a rule broke. `replay`: something differs. `s7k verify`: a fault in the recording.",
     },
     Exit {
         code: UNUSABLE,

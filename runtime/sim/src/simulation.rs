@@ -91,7 +91,7 @@ struct Disk {
 /// everything that was due by then.
 ///
 /// The log of a run goes on when the process is killed, and a note in it says so. Its inputs and outputs are those of
-/// the process that runs at the time, in the run's own time. It can be replayed up to the first kill.
+/// the process that runs at the time, in the run's own time. A replay starts core again where the next process began.
 pub struct Simulation {
     /// `None` after a kill, until the next process begins.
     process: Option<Process>,

@@ -63,6 +63,8 @@ pub fn survey_map(mission: &Mission, scenario: &Scenario, report: &Report, trace
             .collect(),
         lease_begins: changes(trace, frame, true),
         lease_ends: changes(trace, frame, false),
+        asked_then: Vec::new(),
+        asked_now: Vec::new(),
         payload: Payload::Plugin,
         zones,
     };

@@ -37,12 +37,13 @@ pub(crate) struct Soak {
 type Task = (&'static str, fn() -> Result<()>);
 
 /// The steps, the longest last.
-const TASKS: [Task; 11] = [
+const TASKS: [Task; 12] = [
     ("property tests, other and more cases", properties),
     ("seeds of the reference missions", flights),
     ("same bytes in debug and release", same_bytes),
     ("sonar exports in other readers", exports::exports),
     ("kills of the runtime", || long(&["kills", "--trials", "100"])),
+    ("dives with faults, replayed", || long(&["replays", "--dives", "100"])),
     ("faulty plugins beside a good one", || long(&["beside"])),
     ("stuck terminals and disks around the runtime", || long(&["stuck"])),
     ("a frozen file system under the log", frozen),

@@ -12,7 +12,7 @@ use backseat_mission::{Layers, Mission};
 use backseat_mvc::ClientId;
 use backseat_plugin_host::{Budget, Host};
 use backseat_plugin_loader::load_plugins;
-use backseat_recorder::{Header, Rate, Recorder};
+use backseat_recorder::{Header, Rate, Recorder, Sources};
 use backseat_scenario::Scenario;
 use backseat_sim::Simulation;
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
@@ -166,6 +166,7 @@ fn fly(mission: &Mission, scenario: &Scenario, host: &Host, log: &Path) -> (Vec<
         world: Some(&scenario.text),
         components: &loaded.components,
         version: env!("CARGO_PKG_VERSION"),
+        sources: Sources::default(),
     };
     let recorder = Recorder::create(log, &header).expect("a log");
     let mut stages = Stages::start();

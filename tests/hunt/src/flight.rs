@@ -12,7 +12,7 @@ use backseat_mvc::{FaultKind, Status};
 use backseat_oracle::State;
 use backseat_plugin_host::{Cache, Host};
 use backseat_plugin_loader::Components;
-use backseat_recorder::{Header, Rate, Recorder};
+use backseat_recorder::{Header, Rate, Recorder, Sources};
 use backseat_scenario::Scenario;
 use backseat_sim::{Report, Simulation, Step};
 use backseat_units::Timestamp;
@@ -228,6 +228,11 @@ impl<'a> Flown<'a> {
                     world: Some(&scenario.text),
                     components: &loaded.components,
                     version: env!("CARGO_PKG_VERSION"),
+                    sources: Sources {
+                        plan: mission.plan.as_ref().map(|plan| plan.text.as_str()),
+                        fence: mission.other_fence(),
+                        plugins: &loaded.setups,
+                    },
                 },
             )?),
             None => None,

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use backseat_soak::stuck::{self, frozen};
-use backseat_soak::{beside, kills, tcp, year};
+use backseat_soak::{beside, kills, replays, tcp, year};
 use clap::Parser;
 
 /// Long runs; exit code 1 if something is not as required
@@ -19,6 +19,8 @@ enum Cli {
     Kills(kills::Kills),
     /// Fly every fault of the plugin `faulty` beside a good plugin, and measure the good one's modifies
     Beside(beside::Beside),
+    /// Fly simulated dives with drawn faults, and replay their logs to the same bytes
+    Replays(replays::Replays),
     /// Measure the runtime's modifies and its response to the operator while standard error and disks are slow, stuck,
     /// full or closed
     Stuck(stuck::Stuck),
@@ -41,6 +43,10 @@ fn main() -> Result<ExitCode> {
         }
         Cli::Beside(arguments) => {
             let report = beside::run(&arguments)?;
+            (report.to_string(), report.faults())
+        }
+        Cli::Replays(arguments) => {
+            let report = replays::run(&arguments)?;
             (report.to_string(), report.faults())
         }
         Cli::Stuck(arguments) => {

@@ -1,5 +1,6 @@
 //! Missions as folders.
 
 mod plan;
+mod recorded;
 mod renamed;
 mod station;

@@ -148,6 +148,8 @@ fn survey() -> Picture {
         rejected: refused,
         lease_begins: vec![at(-250.0, 480.0)],
         lease_ends: vec![lease_end],
+        asked_then: Vec::new(),
+        asked_now: Vec::new(),
         payload: Payload::Plugin,
     }
 }
@@ -287,4 +289,32 @@ fn nothing_and_nonsense_make_a_picture_too() {
         });
         assert!(svg.ends_with("</svg>\n"));
     }
+}
+
+/// Where a replay parts from its run.
+#[test]
+fn what_was_asked_then_and_now_has_its_own_lines_and_signs() {
+    let picture = Picture {
+        flown: survey().flown,
+        asked_then: vec![Shape::Line(at(0.0, 0.0), at(50.0, 0.0))],
+        asked_now: vec![
+            Shape::Line(at(0.0, 0.0), at(0.0, 50.0)),
+            Shape::Circle {
+                centre: at(100.0, 100.0),
+                radius_m: 20.0,
+            },
+            Shape::Line(at(f64::NAN, 0.0), at(0.0, 50.0)),
+        ],
+        ..Picture::default()
+    };
+    let svg = render(&picture);
+    for part in [
+        r#"class="asked-then""#,
+        r#"class="asked-now""#,
+        "asked then, and not now",
+        "asked now instead",
+    ] {
+        assert_eq!(count(&svg, part), 1, "{part}");
+    }
+    assert_eq!(count(&render(&survey()), "asked-now"), 0);
 }

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use backseat_core::plugin::FaultKind;
+use backseat_core::plugin::{FaultKind, PluginFault, Returned};
 use backseat_plugin_host::{Budget, HostError, LOG_FUEL, PUBLISH_FUEL};
 
 use crate::fixture::{Latitude, components, fault_kind, faulty, input, only_modify};
@@ -117,6 +117,74 @@ fn the_watchdog_ends_a_call_that_takes_too_long() {
         returned
     });
     assert_eq!(fault_kind(&returned), Some(FaultKind::Deadline), "{returned:?}");
+}
+
+/// What a wall clock has ended can be repeated without one: the same returns, and the same state after them.
+#[test]
+fn what_the_watchdog_ended_is_repeated_without_a_clock() {
+    let budget = Budget {
+        fuel_per_step: u64::MAX / 4,
+        snapshot_every_steps: 2,
+        ..Budget::default()
+    };
+    let (mut deployed, mut replayed) = (faulty("loop", 3, budget.clone()), faulty("loop", 3, budget));
+    deployed.set_deadline_ticks(Some(3));
+    let host = components().host.clone();
+    let over = AtomicBool::new(false);
+    let mut deadlines = 0;
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !over.load(Ordering::Relaxed) {
+                host.increment_epoch();
+                std::thread::yield_now();
+            }
+        });
+        for second in 0..8 {
+            let recorded = deployed.step(&input(second));
+            deadlines += u32::from(fault_kind(&recorded) == Some(FaultKind::Deadline));
+            assert_eq!(
+                replayed.step_again(&input(second), &recorded),
+                recorded,
+                "step {second}"
+            );
+            assert_eq!(replayed.is_running(), deployed.is_running());
+            if !deployed.is_running() {
+                let restarted = deployed.restart();
+                let again = replayed.restart_again(&restarted.result);
+                assert_eq!(
+                    (again.fuel, again.lost_steps, again.result),
+                    (restarted.fuel, restarted.lost_steps, restarted.result)
+                );
+            }
+        }
+        over.store(true, Ordering::Relaxed);
+    });
+    assert!(deadlines > 0);
+    // A restart and a snapshot that were ended.
+    let fault = |kind, text: &str| PluginFault {
+        kind,
+        text: text.to_owned(),
+    };
+    let restarted = replayed.restart_again(&Err(fault(FaultKind::Start, "ran past its deadline")));
+    assert_eq!(restarted.fuel, Budget::default().fuel_init);
+    assert!(restarted.result.is_err() && !replayed.is_running());
+    let mut plugin = faulty(
+        "none",
+        0,
+        Budget {
+            snapshot_every_steps: 1,
+            ..Budget::default()
+        },
+    );
+    let recorded = Returned {
+        fuel: 0,
+        log: Vec::new(),
+        measures: Vec::new(),
+        result: Err(fault(FaultKind::Deadline, "snapshot: ran past its deadline")),
+    };
+    let again = plugin.step_again(&input(0), &recorded);
+    assert_eq!(again.result, recorded.result);
+    assert!(again.fuel > Budget::default().fuel_snapshot && !plugin.is_running());
 }
 
 #[test]

@@ -29,6 +29,11 @@ pub(crate) fn note() -> Value {
         .text("then", "What core does about it.")
         .object("line", "A line that a plugin logged.", log_line())
         .number("seconds", "How late the runtime woke.")
+        .text(
+            "simulation",
+            "What the simulation did to the runtime's process, which core does not know: killed, stopped, continues, \
+             started-again, substituted or reinstated.",
+        )
         .into_message("An event of the run.", &["text", "note"])
 }
 

@@ -14,7 +14,8 @@ use backseat_core::plugin::{
 };
 use backseat_core::{ExternalId, Input, Output};
 use backseat_recorder::{
-    COMPONENT_LIMIT, Channel, Entry, Header, LoggedInput, Rate, Record, Recorder, RecorderError, parse, read,
+    COMPONENT_LIMIT, Channel, Encoder, Entry, Header, LogReader, LoggedInput, Rate, Record, Recorder, RecorderError,
+    Remark, Sources, encode_input, parse, read,
 };
 use backseat_units::{EastNorth, LocalFrame, Timestamp};
 use proptest::prelude::*;
@@ -454,4 +455,109 @@ fn the_same_run_gives_the_same_bytes() {
             .unwrap();
     };
     assert_eq!(recorded(Rate::Simulation, write), recorded(Rate::Simulation, write));
+}
+
+/// What a replay compares has the bytes that the recorder writes.
+#[test]
+fn an_encoder_writes_what_the_recorder_writes() {
+    for rate in [Rate::Simulation, Rate::Deployed] {
+        let (inputs, outputs) = (inputs(), outputs());
+        let bytes = recorded(rate, |recorder| {
+            for input in &inputs {
+                recorder.input(Timestamp::ZERO, input).unwrap();
+            }
+            for output in &outputs {
+                recorder.output(Timestamp::ZERO, output).unwrap();
+            }
+        });
+        let mut log = LogReader::new(bytes.as_slice(), "a log".to_owned()).unwrap();
+        let mut written = Vec::new();
+        while let Some(message) = log.next_message().unwrap() {
+            let derived = Channel::from_topic(&message.topic).is_none() && !message.topic.starts_with("/measures/");
+            if !derived {
+                written.push((message.topic.to_string(), message.data));
+            }
+        }
+        let mut encoder = Encoder::new(rate, Vec::new());
+        let mut encoded: Vec<_> = inputs.iter().map(|input| encode_input(input).unwrap()).collect();
+        encoded.extend(outputs.iter().filter_map(|output| encoder.output(output).unwrap()));
+        let encoded: Vec<_> = encoded
+            .into_iter()
+            .map(|encoded| (encoded.topic.into_owned(), encoded.data))
+            .collect();
+        assert_eq!(written, encoded);
+    }
+}
+
+#[test]
+fn a_log_has_what_a_replay_needs_and_no_other_attachment_has() {
+    let setup = backseat_core::PluginSetup {
+        name: "isobath".to_owned(),
+        description: backseat_core::plugin::Description {
+            name: "isobath".to_owned(),
+            version: "1.2.3".to_owned(),
+            step_period: Duration::from_millis(500),
+            topics: vec![backseat_core::plugin::Topic::Ctd],
+        },
+        grants: Vec::new(),
+        on_failure: backseat_core::FailAction::default(),
+        limits: backseat_core::PluginLimits::default(),
+    };
+    let mut file = Cursor::new(Vec::new());
+    let header = Header {
+        sources: Sources {
+            plan: Some("[[plan]]\n"),
+            fence: Some(("fence.kml", "<kml/>")),
+            plugins: std::slice::from_ref(&setup),
+        },
+        ..header(Rate::Deployed, &[])
+    };
+    Recorder::new(&mut file, &header).unwrap().finish().unwrap();
+    let log = LogReader::new(file.get_ref().as_slice(), "a log".to_owned()).unwrap();
+    assert_eq!(log.plan(), Some(b"[[plan]]\n".as_slice()));
+    assert_eq!(log.fence_as_read(), Some(("fence.kml", b"<kml/>".as_slice())));
+    assert_eq!(log.description("isobath"), Some(setup.description));
+    assert_eq!(log.description("plume"), None);
+    // Without them it is a log of an earlier version.
+    let earlier = recorded(Rate::Deployed, |_| {});
+    let earlier = LogReader::new(earlier.as_slice(), "a log".to_owned()).unwrap();
+    assert_eq!(
+        (earlier.plan(), earlier.fence_as_read(), earlier.description("isobath")),
+        (None, None, None)
+    );
+}
+
+#[test]
+fn what_a_simulation_does_to_the_process_is_marked() {
+    let remarks = [
+        Remark::Killed,
+        Remark::Stopped,
+        Remark::Continues,
+        Remark::StartedAgain,
+        Remark::Substituted(backseat_core::plugin::PluginId(2)),
+        Remark::Reinstated(backseat_core::plugin::PluginId(2)),
+    ];
+    let bytes = recorded(Rate::Simulation, |recorder| {
+        for remark in remarks {
+            recorder.remark(Timestamp::ZERO, remark).unwrap();
+        }
+        let text = "core says so".to_owned();
+        let note = Output::Note(backseat_core::Note::Text { text });
+        recorder.output(Timestamp::ZERO, &note).unwrap();
+    });
+    let log = parse(&bytes).unwrap();
+    let told: Vec<_> = log
+        .entries
+        .iter()
+        .filter_map(|entry| {
+            let Record::Note(note) = &entry.record else {
+                return None;
+            };
+            Some(Remark::of_note(note))
+        })
+        .collect();
+    let mut expected: Vec<_> = remarks.into_iter().map(Some).collect();
+    expected.push(None);
+    assert_eq!(told, expected);
+    assert_eq!(log.notes().next().unwrap().1, "the runtime is killed");
 }

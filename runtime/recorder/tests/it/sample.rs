@@ -20,7 +20,7 @@ use backseat_core::{
     ExternalId, FromSonar, Identifiers, Input, Note, Operator, Order, Output, Owner, RequestKind, Reservation,
     Restarted, SonarOutcome, Start, StatusCondition, ToSonar, Transition,
 };
-use backseat_recorder::{Header, Rate, Recorder};
+use backseat_recorder::{Header, Rate, Recorder, Sources};
 use backseat_spi::{Direction, FrameCounts, catalogue};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 use serde::de::DeserializeOwned;
@@ -40,6 +40,7 @@ pub(crate) fn header(rate: Rate, components: &[(String, Vec<u8>)]) -> Header<'_>
         world: None,
         components,
         version: "0.1.0",
+        sources: Sources::default(),
     }
 }
 

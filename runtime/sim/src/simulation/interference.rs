@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use backseat_core::plugin::PluginId;
-use backseat_core::{Input, Note, Operator, Output, Start};
+use backseat_core::{Input, Operator, Start};
 use backseat_mvc::{Direction as Way, Fault, FaultKind};
 use backseat_plugin_host::Plugin;
 use backseat_plugin_loader::Loaded;
+use backseat_recorder::Remark;
 use backseat_units::Utc;
 
 use crate::simulation::process::{Answer, Process, Successor};
@@ -54,7 +55,7 @@ impl Simulation {
         if self.finished {
             return;
         }
-        let told = self.remark("the runtime is killed");
+        let told = self.remark(Remark::Killed);
         self.or_later(told);
         self.disconnect();
         self.lose_client();
@@ -85,7 +86,7 @@ impl Simulation {
         let Some(process) = &mut self.process else { return };
         process.stop(self.now, until);
         self.oracle.runtime_stopped(self.now);
-        let told = self.remark("the runtime is stopped");
+        let told = self.remark(Remark::Stopped);
         self.or_later(told);
     }
 
@@ -114,7 +115,14 @@ impl Simulation {
     /// understudies.
     pub fn substitute(&mut self, slot: PluginId, understudy: Option<Plugin>) {
         if let Some(process) = &mut self.process {
+            let remark = if understudy.is_some() {
+                Remark::Substituted(slot)
+            } else {
+                Remark::Reinstated(slot)
+            };
             process.substitute(slot, understudy);
+            let told = self.remark(remark);
+            self.or_later(told);
         }
     }
 
@@ -193,7 +201,7 @@ impl Simulation {
         };
         let due = process.is_due(now);
         self.oracle.runtime_continued(now);
-        self.remark("the runtime continues")?;
+        self.remark(Remark::Continues)?;
         let connection_first = ((now.as_nanos() / 1_000_000) ^ self.seed) & 1 == 1;
         if due && !connection_first {
             self.feed(Input::Timeout)?;
@@ -246,16 +254,15 @@ impl Simulation {
         let bridge = self.sonar.as_ref().map(|sonar| sonar.bridge(utc)).transpose()?;
         self.process = Some(Process::new(now, settings, envelope, successor.loaded, start, bridge));
         self.oracle.runtime_started(now);
-        self.remark("the runtime has started again")?;
+        self.remark(Remark::StartedAgain)?;
         self.drain_core()?;
         self.drain_client()
     }
 
-    /// Writes a line of the simulation itself into the log.
-    fn remark(&mut self, text: &str) -> Result<(), SimError> {
+    /// Writes what the simulation does to the process into the log.
+    fn remark(&mut self, remark: Remark) -> Result<(), SimError> {
         if let Some(recorder) = &mut self.recorder {
-            let text = text.to_owned();
-            recorder.output(self.now, &Output::Note(Note::Text { text }))?;
+            recorder.remark(self.now, remark)?;
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ fn help_names_every_command_and_what_it_does() {
     let help = Backseat::new().arg("--help").run().exit(0);
     assert_eq!(help.stderr, "");
     for command in [
-        "sim", "run", "fly", "mvc", "plc", "check", "log", "spi", "s7k", "explain",
+        "sim", "run", "fly", "mvc", "plc", "check", "replay", "log", "spi", "s7k", "explain",
     ] {
         assert!(
             help.stdout.lines().any(|line| line.trim_start().starts_with(command)),
@@ -39,6 +39,19 @@ fn every_command_explains_its_flags() {
             .as_slice(),
         ),
         ("run", &["--connect", "--arm", "--log", "--state", "--first-identifier"]),
+        (
+            "replay",
+            &[
+                "--plugin",
+                "--config",
+                "--set",
+                "--steps",
+                "--map",
+                "--open",
+                "--no-cache",
+                "--json",
+            ],
+        ),
         (
             "fly",
             &[
@@ -80,12 +93,12 @@ fn every_command_explains_its_flags() {
         ("check", &["--resolved", "--set", "--no-cache"]),
     ] {
         let help = Backseat::new().args([command, "--help"]).run().exit(0);
-        let takes = if matches!(command, "mvc" | "plc") {
-            "<MISSION|WORLD.toml>"
-        } else {
-            "<MISSION>"
+        let argument = match command {
+            "mvc" | "plc" => "<MISSION|WORLD.toml>",
+            "replay" => "<DIVE.mcap>",
+            _ => "<MISSION>",
         };
-        assert!(help.stdout.contains(takes), "{help}");
+        assert!(help.stdout.contains(argument), "{help}");
         for flag in flags {
             assert!(help.stdout.contains(flag), "{command} {flag}: {help}");
         }

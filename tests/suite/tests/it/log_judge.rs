@@ -9,7 +9,7 @@
 use std::path::{Path, PathBuf};
 
 use backseat_core::Output;
-use backseat_recorder::{Header, Log, LoggedInput, Record, Recorder, read};
+use backseat_recorder::{Header, Log, LoggedInput, Record, Recorder, Sources, read};
 use backseat_suite::{Backseat, Finished, Mission};
 use backseat_units::Timestamp;
 use serde_json::Value;
@@ -70,6 +70,7 @@ fn fenced(log: &Log, path: PathBuf, fence: &str, mut change: impl FnMut(&Line<'_
         world: None,
         components: &[],
         version: &log.run.version,
+        sources: Sources::default(),
     };
     let mut recorder = Recorder::create(&path, &header).unwrap();
     for entry in &log.entries {

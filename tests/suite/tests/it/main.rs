@@ -11,6 +11,7 @@ mod predive;
 mod prober;
 mod real_time;
 mod refusals;
+mod replay;
 #[cfg(test)]
 mod s7k;
 mod sea;

@@ -16,6 +16,7 @@ mod mvc_start;
 mod operator;
 mod pages;
 mod plc;
+mod replay;
 mod sea;
 mod service;
 mod session;

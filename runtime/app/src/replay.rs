@@ -1,0 +1,160 @@
+//! `backseat replay`: the log of a run, core and plugins again from the recorded inputs.
+
+#[cfg(feature = "simulation")]
+mod map;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use backseat_recorder::LogReader;
+use backseat_replay::{Config, Configs, Flow, Given, Replay as Playback, Report, Task};
+use clap::Args;
+use serde_json::json;
+
+use crate::cache::host_with;
+use crate::clock::Clock;
+use crate::log::expected_log;
+use crate::output::say;
+
+#[derive(Debug, Args)]
+pub(crate) struct Replay {
+    /// The log, written by `run`, `fly` or `sim --log`
+    #[arg(value_name = "DIVE.mcap")]
+    pub(crate) log: PathBuf,
+    /// Step the component in FILE in place of the plugin NAME, and show what it would have asked for on the same inputs
+    #[arg(long = "plugin", value_name = "NAME=FILE", value_parser = component)]
+    pub(crate) plugins: Vec<(String, PathBuf)>,
+    /// Step the plugin NAME with the config in FILE, TOML, in place of the recorded one
+    #[arg(long = "config", value_name = "NAME=FILE.toml", value_parser = component)]
+    pub(crate) configs: Vec<(String, PathBuf)>,
+    /// Step a plugin with another value in its config: plugin.NAME.config.KEY=VALUE
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Show the first N steps of each plugin that differ
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub(crate) steps: usize,
+    /// Draw a map into this file: the recorded track and requests, and in the steps that differ, what was asked for then
+    /// and now
+    #[cfg(feature = "simulation")]
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) map: Option<PathBuf>,
+    /// Open the map when it is drawn
+    #[cfg(feature = "simulation")]
+    #[arg(long, requires = "map")]
+    pub(crate) open: bool,
+    /// Compile the plugins, and keep nothing for the next start
+    #[arg(long)]
+    pub(crate) no_cache: bool,
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn component(text: &str) -> Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((name, file)) if !name.is_empty() && !file.is_empty() => Ok((name.to_owned(), PathBuf::from(file))),
+        _ => Err("expected NAME=FILE with the name of a plugin of the mission".to_owned()),
+    }
+}
+
+pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
+    let loading = Clock::start();
+    let mut log = expected_log(LogReader::open(&arguments.log))?;
+    let named = || format!("log {} cannot be replayed", arguments.log.display());
+    let whole = arguments.configs.iter().map(|(name, file)| config(name, file));
+    let configs = Configs {
+        set: &arguments.set,
+        whole: &whole.collect::<Result<Vec<_>>>()?,
+    };
+    let task = Task::of(&log, configs).with_context(named)?;
+    let given = arguments.plugins.iter().map(|(name, file)| given(name, file));
+    let given = given.collect::<Result<_>>()?;
+    #[cfg(feature = "simulation")]
+    if let Some(path) = &arguments.map {
+        // Reports a file that cannot be written before the replay, not after it.
+        std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
+    }
+    let mut playback =
+        Playback::new(task, &host_with(!arguments.no_cache)?, given, arguments.steps).with_context(named)?;
+    let load_seconds = loading.elapsed().as_secs_f64();
+    let playing = Clock::start();
+    while let Some(message) = log.next_message()? {
+        if playback.take(message).with_context(named)? == Flow::Over {
+            break;
+        }
+    }
+    #[cfg(feature = "simulation")]
+    let envelope = std::sync::Arc::clone(&playback.mission().envelope);
+    let report = playback.finish(log.is_complete());
+    let wall_seconds = playing.elapsed().as_secs_f64();
+    #[cfg(feature = "simulation")]
+    if let Some(path) = &arguments.map {
+        let picture = map::draw(&report, envelope.fence(), &arguments.log);
+        std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
+        if arguments.open {
+            crate::map::open(path);
+        }
+    }
+    print(arguments, &report, wall_seconds, load_seconds)?;
+    match (report.identical, &report.refused) {
+        (Some(identical), _) => Ok(identical),
+        (None, Some(refused)) => bail!(
+            "log {}: {}; what comes before is identical",
+            arguments.log.display(),
+            refused.line()
+        ),
+        (None, None) => Ok(false),
+    }
+}
+
+fn given(name: &str, file: &Path) -> Result<Given> {
+    let bytes = std::fs::read(file).with_context(|| format!("--plugin {name}={}", file.display()))?;
+    Ok(Given {
+        plugin: name.to_owned(),
+        file: file.display().to_string(),
+        bytes,
+    })
+}
+
+fn config(name: &str, file: &Path) -> Result<Config> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("--config {name}={}", file.display()))?;
+    Ok(Config {
+        plugin: name.to_owned(),
+        file: file.display().to_string(),
+        text,
+    })
+}
+
+fn print(arguments: &Replay, report: &Report, wall_seconds: f64, load_seconds: f64) -> Result<()> {
+    let speed = report.seconds / wall_seconds.max(1e-9);
+    if arguments.json {
+        let mut json = serde_json::to_value(report)?;
+        if let Some(json) = json.as_object_mut() {
+            json.insert("log".to_owned(), json!(arguments.log.display().to_string()));
+            json.insert("wall_seconds".to_owned(), json!(wall_seconds));
+            json.insert("load_seconds".to_owned(), json!(load_seconds));
+        }
+        say!("{json}");
+        return Ok(());
+    }
+    let mut lines = report.lines().into_iter();
+    if let Some(first) = lines.next() {
+        say!("{}: {first}", arguments.log.display());
+    }
+    say!("  {speed:.0} x life ({wall_seconds:.2} s, and {load_seconds:.2} s to load plugins)");
+    if report.version != env!("CARGO_PKG_VERSION") {
+        say!(
+            "  version {} wrote the log, and this is version {}",
+            report.version,
+            env!("CARGO_PKG_VERSION")
+        );
+    }
+    for line in lines {
+        say!("{line}");
+    }
+    #[cfg(feature = "simulation")]
+    if let Some(path) = &arguments.map {
+        say!("  map: {}", path.display());
+    }
+    Ok(())
+}

@@ -19,3 +19,4 @@ mod simulation;
 mod sonar;
 mod spi;
 mod viewers;
+mod warnings;

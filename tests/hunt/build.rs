@@ -16,12 +16,24 @@ fn main() -> io::Result<()> {
         env::var_os("CARGO_MANIFEST_DIR").ok_or_else(|| io::Error::other("cargo did not set CARGO_MANIFEST_DIR"))?;
     let runtime = Path::new(&here).join("../../runtime");
     let mut files = Vec::new();
+    let mut each = Vec::new();
     for name in CRATES {
         let sources = runtime.join(name).join("src");
         println!("cargo:rerun-if-changed={}", sources.display());
-        gather(&sources, &format!("{name}/src"), &mut files)?;
+        let mut own = Vec::new();
+        gather(&sources, &format!("{name}/src"), &mut own)?;
+        own.sort();
+        each.push(format!("{name} {}", hash(&own)?));
+        files.append(&mut own);
     }
     files.sort();
+    println!("cargo:rustc-env=BACKSEAT_TREE={}", hash(&files)?);
+    println!("cargo:rustc-env=BACKSEAT_TREES={}", each.join(","));
+    Ok(())
+}
+
+/// SHA-256 of files with their names, as hexadecimal digits.
+fn hash(files: &[(String, PathBuf)]) -> io::Result<String> {
     let mut digest = Sha256::new();
     for (name, path) in files {
         let content = fs::read(path)?;
@@ -31,9 +43,7 @@ fn main() -> io::Result<()> {
         digest.update((content.len() as u64).to_le_bytes());
         digest.update(content);
     }
-    let hash: String = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    println!("cargo:rustc-env=BACKSEAT_TREE={hash}");
-    Ok(())
+    Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// All files under a folder, with the names that they have in every clone.

@@ -5,11 +5,12 @@ use backseat_core::PluginSetup;
 use backseat_core::plugin::Topic;
 use backseat_fence::{Kind, Window};
 use backseat_mission::Mission;
-use backseat_plugin_host::{COMPILE_TIME, COMPONENT_BYTES, Host};
+use backseat_plugin_host::{COMPILE_TIME, COMPONENT_BYTES, Host, Origin};
 use backseat_plugin_loader::load_plugins;
 use backseat_units::Utc;
 use clap::Args;
 
+use crate::cache::host;
 use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::output::say;
@@ -61,7 +62,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     let front_seat = front_seat(&mission, arguments.plan.as_deref())?;
     say!("{} (hash of its files: {})", mission.name, &mission.hash()[..16]);
     print_fence(&mission)?;
-    let host = Host::new()?;
+    let host = host(&arguments.mission)?;
     let clock = Clock::start();
     let begun = clock.now();
     let mut findings = Vec::new();
@@ -71,8 +72,8 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         .ok();
     let components = loaded
         .iter()
-        .flat_map(|loaded| loaded.setups.iter().zip(&loaded.components));
-    for ((setup, (_, bytes)), table) in components.zip(&mission.file.plugins) {
+        .flat_map(|loaded| loaded.setups.iter().zip(&loaded.components).zip(&loaded.origins));
+    for (((setup, (_, bytes)), origin), table) in components.zip(&mission.file.plugins) {
         let grants: Vec<&str> = table.grants.iter().map(|grant| grant.name()).collect();
         let description = &setup.description;
         let topics: Vec<&str> = description
@@ -106,11 +107,15 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             })
             .collect();
         say!(
-            "plugin {}: {} {}, {} kB, a step every {} ms, listens to {}; grants: {}",
+            "plugin {}: {} {}, {} kB, {}, a step every {} ms, listens to {}; grants: {}",
             setup.name,
             description.name,
             description.version,
             bytes.len() / 1024,
+            match origin {
+                Origin::Cache => "from the cache",
+                Origin::Compiled => "compiled now",
+            },
             description.step_period.as_millis(),
             if topics.is_empty() {
                 "navigation only".to_owned()
@@ -131,8 +136,9 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     }
     if loaded.is_some_and(|loaded| !loaded.setups.is_empty()) {
         say!(
-            "compiled in {:.1} s; limits for one component: {} MiB, {} s to compile",
+            "plugins loaded in {:.3} s ({}); limits for one component: {} MiB, {} s to compile",
             clock.now().since(begun).as_secs_f64(),
+            cache_of(&host),
             COMPONENT_BYTES >> 20,
             COMPILE_TIME.as_secs()
         );
@@ -175,6 +181,13 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     good &= findings.is_empty();
     say!("{}", if good { "ready" } else { "not ready" });
     Ok(good)
+}
+
+fn cache_of(host: &Host) -> String {
+    match host.cache().filter(|cache| cache.is_in_use()) {
+        Some(cache) => format!("cache: {}", cache.folder().display()),
+        None => "no cache".to_owned(),
+    }
 }
 
 /// Plugins that listen to a sonar, and get no pings of it.

@@ -46,19 +46,23 @@ pub(crate) enum Command {
     Fly(Fly),
     /// Run only the mock vehicle, for any SPI client
     ///
-    /// The mock vehicle flies the front seat's plan of the mission's world.toml. It serves the Standard Payload
-    /// Interface over TCP to several clients at once. A client that misbehaves loses its own connection at most, and
-    /// never disturbs another.
+    /// The mock vehicle flies the front seat's plan of a world.toml, and needs nothing else of a mission. It serves the
+    /// Standard Payload Interface over TCP to several clients at once. A client that misbehaves loses its own connection
+    /// at most, and never disturbs another.
     ///
-    /// On a terminal a status line shows the vehicle's state; elsewhere the state is printed once a minute. Ctrl-C or
-    /// SIGTERM ends the program.
+    /// While it runs you can type commands, or write them into its standard input: `fault stall for_s=10`,
+    /// `control take`, `top acoustic-modem come home`, `abort`, `shutdown`, `status`; `help` lists them. The end of
+    /// standard input does not end the program. A script (--script) orders the same when something happens.
+    ///
+    /// On a terminal two lines show the vehicle's state: press Enter, then type a command. Elsewhere the state is
+    /// printed once a minute. Ctrl-C or SIGTERM ends the program.
     #[cfg(feature = "simulation")]
     Mvc(Mvc),
     /// Run only the mock payload controller with its sonars, for any 7k client
     ///
     /// The mock payload controller behaves like a RESON 6046 with a sidescan and a sub-bottom profiler, as [plc] of the
-    /// mission's world.toml describes it. Its sonars see the seabed and the targets of that world. Clients
-    /// report the vehicle's position in records 3100; until one does, the vehicle stands at [start].
+    /// a world.toml describes it; it needs nothing else of a mission. Its sonars see the seabed and the targets of that
+    /// world. Clients report the vehicle's position in records 3100; until one does, the vehicle stands at [start].
     ///
     /// Each event is a line on standard error. Ctrl-C or SIGTERM ends the program, and so does a client's shutdown
     /// command; log files are whole then.
@@ -88,6 +92,10 @@ pub(crate) struct MissionArguments {
     /// Look in this folder first for plugins that the mission names without a path
     #[arg(long, value_name = "DIR", value_parser = folder)]
     pub(crate) plugins: Option<PathBuf>,
+    /// Compile the plugins, and keep nothing for the next start. Without this, what was compiled once is loaded from the
+    /// folder BACKSEAT_CACHE [default: backseat in the user's cache folder]
+    #[arg(long)]
+    pub(crate) no_cache: bool,
     /// Set a key of mission.toml, such as limits.speed_max_mps=1.8; overrides the file and the environment
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
@@ -100,6 +108,15 @@ impl MissionArguments {
             environment: true,
         }
     }
+}
+
+/// The argument of the commands that need only the world of a mission.
+#[cfg(feature = "simulation")]
+#[derive(Debug, Args)]
+pub(crate) struct WorldArguments {
+    /// A folder with world.toml, such as a mission's, or the path of a world.toml. Nothing else of a mission is read
+    #[arg(value_name = "MISSION|WORLD.toml")]
+    pub(crate) world: PathBuf,
 }
 
 fn folder(text: &str) -> Result<PathBuf, String> {

@@ -10,8 +10,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use backseat_core::Start;
 use backseat_mission::Mission;
-use backseat_mvc::Status as MissionStatus;
-use backseat_plugin_host::Host;
+use backseat_mvc::{Mvc, Status as MissionStatus};
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::read;
 use backseat_scenario::Scenario;
@@ -21,12 +20,14 @@ use clap::Args;
 use tokio::sync::oneshot;
 use tracing::warn;
 
+use crate::cache::host;
 use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::external::Ports;
 use crate::fly::status::Screen;
 use crate::fly::watch::{Flight, Watch};
 use crate::map::open;
+use crate::mvc::operator::Lines;
 use crate::mvc::server::Service;
 use crate::mvc::status::Status;
 use crate::mvc::{VehicleArguments, seconds};
@@ -112,7 +113,7 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
     }
     let (ports, heard) = Ports::open(&mission.file.externals)?;
-    let host = Host::new()?;
+    let host = host(&arguments.mission)?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let passing = Passing(std::env::temp_dir().join(format!("backseat-fly-{}", std::process::id())));
     let state = State::open(arguments.state.as_deref().unwrap_or(&passing.0), None)?;
@@ -188,10 +189,12 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
             controller,
             clock,
             speed: Speed::Times(1.0),
+            wait: 0,
             end: None,
             log: None,
             status: Status::quiet(),
-            spectator: Some(spectator(Arc::clone(&flight), end, arguments.duration)),
+            spectators: vec![Box::new(spectator(Arc::clone(&flight), end, arguments.duration))],
+            operator: Lines::none(),
         };
         // The runtime ends first, so that the vehicle hears its last words.
         let driven = async {
@@ -207,13 +210,19 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
         Ok::<_, anyhow::Error>((served?, flight, clock.elapsed(), screen.real()))
     });
     drop(within);
-    let (vehicle, flight, elapsed, real) = flight?;
+    let ((vehicle, _), flight, elapsed, real) = flight?;
     let outcome = match vehicle.mission_status() {
         MissionStatus::Completed => "completed",
-        MissionStatus::Aborted | MissionStatus::Stopped => "aborted",
-        MissionStatus::Ready | MissionStatus::Running | MissionStatus::WrappingUp | MissionStatus::Aborting => {
-            "unfinished"
-        }
+        MissionStatus::Aborted
+        | MissionStatus::Stopped
+        | MissionStatus::InvalidDiveFile
+        | MissionStatus::InvalidWrapupFile => "aborted",
+        MissionStatus::Offline
+        | MissionStatus::Waiting
+        | MissionStatus::Ready
+        | MissionStatus::Running
+        | MissionStatus::WrappingUp
+        | MissionStatus::Aborting => "unfinished",
     };
     let mut report = Report {
         mission: mission.name.clone(),
@@ -248,11 +257,11 @@ fn log_path(path: &Path, mission: &Mission) -> PathBuf {
 }
 
 /// Sees the vehicle, and ends the flight some time after its mission, or when its time is over.
-fn spectator(flight: Arc<Flight>, end: oneshot::Sender<()>, duration: Option<f64>) -> crate::mvc::server::Spectator {
+fn spectator(flight: Arc<Flight>, end: oneshot::Sender<()>, duration: Option<f64>) -> impl FnMut(&Mvc) {
     let mut end = Some(end);
     let mut ends_at = duration.map(|seconds| Timestamp::ZERO + Duration::from_secs_f64(seconds));
     let mut over = false;
-    Box::new(move |vehicle| {
+    move |vehicle| {
         let truth = vehicle.truth();
         if vehicle.mission_over() && !std::mem::replace(&mut over, true) {
             let aftermath = truth.time + AFTERMATH;
@@ -265,7 +274,7 @@ fn spectator(flight: Arc<Flight>, end: oneshot::Sender<()>, duration: Option<f64
             let _gone = end.send(());
         }
         flight.seen(vehicle, &truth);
-    })
+    }
 }
 
 fn print_report(report: &Report, log: &Path) -> Result<()> {

@@ -4,6 +4,7 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+mod cache;
 mod check;
 mod cli;
 mod clock;

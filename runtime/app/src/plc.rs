@@ -7,13 +7,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Result;
-use backseat_mission::Mission;
 use backseat_scenario::Scenario;
 use backseat_units::Timestamp;
 use clap::Args;
 use tracing::info;
 
-use crate::cli::MissionArguments;
+use crate::cli::WorldArguments;
 use crate::clock::Clock;
 use crate::events::Events;
 use crate::mvc::log::Log;
@@ -26,7 +25,7 @@ const FLUSH_EVERY: Duration = Duration::from_millis(200);
 #[derive(Debug, Args)]
 pub(crate) struct Plc {
     #[command(flatten)]
-    pub(crate) mission: MissionArguments,
+    pub(crate) world: WorldArguments,
     /// Listen on this address
     #[arg(long, default_value = "127.0.0.1:7000", value_name = "ADDR:PORT")]
     pub(crate) listen: String,
@@ -47,8 +46,7 @@ pub(crate) struct Plc {
 }
 
 pub(crate) fn plc(arguments: &Plc) -> Result<bool> {
-    let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
-    let scenario = Scenario::load(&mission)?;
+    let scenario = Scenario::open(&arguments.world.world)?;
     let log = match &arguments.log {
         Some(path) => Some(Log::create(path)?),
         None => None,

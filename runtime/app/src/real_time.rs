@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use backseat_core::plugin::{Returned, StepInput};
 use backseat_core::{Core, Restarted, Start};
-use backseat_plugin_host::Host;
+use backseat_plugin_host::{Cache, Host};
 use backseat_recorder::{Header, Rate};
 use backseat_suite::{Behavior, Heard, Scripted, Signal, settle};
 use rustix::process::{getpid, kill_process};
@@ -82,7 +82,8 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
     );
     let layers = backseat_mission::Layers::default();
     let mission = backseat_mission::Mission::load(folder.path(), &layers).unwrap();
-    let host = Host::new().unwrap();
+    let cache = Cache::new(backseat_test_support::cache(), |_| {});
+    let host = Host::new().unwrap().with_cache(Some(cache));
     let loaded = backseat_plugin_loader::load_plugins(&host, &mission, Some(backseat_test_support::plugins())).unwrap();
     let clock = Clock::start();
     let header = Header {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use backseat_core::{Core, Grant, Start};
 use backseat_mission::Mission;
-use backseat_plugin_host::Host;
+use backseat_plugin_host::{Host, Origin};
 use backseat_plugin_loader::{Loaded, load_plugins};
 use backseat_recorder::{Header, Rate};
 use backseat_units::Timestamp;
@@ -17,6 +17,7 @@ use clap::Args;
 use tokio::sync::mpsc::unbounded_channel;
 use tracing::{info, warn};
 
+use crate::cache::host;
 use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::external::Ports;
@@ -74,7 +75,9 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         let _within = runtime.enter();
         Ports::open(&mission.file.externals)?
     };
-    let host = Host::new()?;
+    let host = host(&arguments.mission)?;
+    // The cache is read and written before the loop begins, and a disk that hangs is waited for only briefly: a runtime
+    // that starts again in the middle of a dive steers again sooner.
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
@@ -82,6 +85,11 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let clock = Clock::start();
     let log = log_in(&arguments.log, &mission);
     let mut recorder = open_log(&log, &mission, None, &loaded.components, &clock)?;
+    let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
+    info!(
+        "plugins: {cached} from the cache, {} compiled",
+        loaded.origins.len() - cached
+    );
     if identifiers.is_none() && names_requests(&mission) {
         info!(
             "no record of SPI identifiers at {}: tracklines, circles, GPS hits and acoustic packets are off; begin a \

@@ -6,16 +6,16 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use backseat_mission::Mission;
 use backseat_plc::{FileFailure, PlcConfig};
-use backseat_plugin_host::Host;
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder, read};
-use backseat_scenario::{Scenario, read_faults};
+use backseat_scenario::{Scenario, read_faults, read_script};
 use backseat_sim::{Report, Simulation, survey_map};
 use backseat_units::Timestamp;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use tracing::{Level, enabled, info, warn};
 
+use crate::cache::host;
 use crate::cli::MissionArguments;
 use crate::clock::{Clock, pause};
 use crate::log::plugin_lines;
@@ -37,6 +37,9 @@ pub(crate) struct Sim {
     /// Inject the faults in this file, instead of the [faults] of world.toml
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) faults: Option<PathBuf>,
+    /// Follow the rules in this file, such as: 3 s after the first BPRMB take control
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) script: Option<PathBuf>,
     /// Write the log to this file
     #[arg(long, value_name = "FILE.mcap")]
     pub(crate) log: Option<PathBuf>,
@@ -84,8 +87,9 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         controller_of(&scenario)?;
     }
     let faults = arguments.faults.as_deref().map(read_faults).transpose()?;
+    let script = arguments.script.as_deref().map(read_script).transpose()?;
     let loading = Clock::start();
-    let host = Host::new()?;
+    let host = host(&arguments.mission)?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let load_seconds = loading.elapsed().as_secs_f64();
 
@@ -133,6 +137,11 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     }
     if let Some(plan) = faults {
         simulation.set_faults(plan);
+    }
+    if let (Some(path), Some(script)) = (&arguments.script, script) {
+        simulation
+            .set_script(script)
+            .with_context(|| format!("{}", path.display()))?;
     }
     let failed_files = match &arguments.s7k {
         Some(folder) => keep_files(&mut simulation, &scenario, folder)?,

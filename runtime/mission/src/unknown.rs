@@ -49,7 +49,7 @@ struct Unknown<'a> {
 
 impl<'a> Unknown<'a> {
     fn find(message: &'a str) -> Option<Self> {
-        let begin = ["unknown field `", "unknown variant `"]
+        let begin = ["unknown field `", "unknown variant `", "unknown command `"]
             .iter()
             .find_map(|text| Some(message.find(text)? + text.len()))?;
         let (name, list) = message.get(begin..)?.split_once('`')?;

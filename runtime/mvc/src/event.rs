@@ -19,6 +19,7 @@ use backseat_units::Timestamp;
 
 use self::fixed::Fixed;
 use crate::faults::FaultEvent;
+use crate::script::Orderer;
 
 pub use self::acoustic::AcousticEvent;
 pub use self::adjustment::{AdjustmentEvent, AdjustmentKind};
@@ -142,6 +143,20 @@ pub enum MvcEventKind {
     Hovering(HoveringEvent),
     /// A fault began or ended.
     Fault(FaultEvent),
+    /// A rule of the script or the operator ordered something.
+    Ordered {
+        /// Who.
+        by: Orderer,
+        /// What, in words.
+        order: Box<str>,
+    },
+    /// The vehicle did not do what was ordered last.
+    NotDone {
+        /// Who had ordered it.
+        by: Orderer,
+        /// Why.
+        why: Box<str>,
+    },
     /// Silent mode.
     Silence(SilenceEvent),
     /// Trim or buoyancy.
@@ -220,6 +235,8 @@ impl fmt::Display for MvcEventKind {
             Self::Grounded => f.write_str("the vehicle touched the seabed"),
             Self::Hovering(event) => event.fmt(f),
             Self::Fault(fault) => fault.fmt(f),
+            Self::Ordered { by, order } => write!(f, "{by}: {order}"),
+            Self::NotDone { by, why } => write!(f, "{by}: not done: {why}"),
             Self::Silence(event) => event.fmt(f),
             Self::Adjustment(event) => event.fmt(f),
             Self::DvlTrigger(event) => event.fmt(f),

@@ -1,10 +1,12 @@
 mod another_dive;
 mod clipping;
+pub(crate) mod dives;
 mod ending;
 mod ending_commands;
 mod flow;
 mod insert_commands;
 mod inserts;
+mod loading;
 pub(crate) mod mission;
 mod modify;
 mod plan_report;
@@ -26,6 +28,7 @@ use crate::interpretation::Interpretation;
 use crate::plan::course::{Course, SURFACED_M};
 use crate::plan::insert::Insert;
 use crate::plan::{PayloadText, PlanItem};
+use crate::script::ControlOrder;
 use crate::truth::Activity;
 use crate::vehicle::Vertical;
 use crate::vehicle::performance::Performance;
@@ -45,7 +48,13 @@ pub(crate) struct Executive {
     performance: Performance,
     altitude_min_m: f64,
     limits: Limits,
-    starts_at: Timestamp,
+    /// When the dive that is ready starts; `None` if only an operator starts it.
+    starts_at: Option<Timestamp>,
+    /// When the operator calls the dive off, counted from its start, and whether that is an abort.
+    called_off: Option<(Duration, bool)>,
+    called_off_at: Option<Timestamp>,
+    /// Whether the vehicle has been released: before its first mission it is held in place.
+    released: bool,
     /// When the mission is aborted if it is still running.
     ends_at: Option<Timestamp>,
     status: Status,
@@ -78,6 +87,8 @@ pub(crate) struct Executive {
     control: bool,
     /// Control is denied, whatever the plan allows.
     control_denied: bool,
+    /// What a rule or the operator has ordered about control.
+    control_order: ControlOrder,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +98,7 @@ struct Limits {
     modify_total: Option<Duration>,
     modify_deviation_m: Option<f64>,
     modify_limit: ModifyLimit,
+    time_limit: Option<Duration>,
     wrap_up: WrapUp,
     control: ControlWindow,
 }
@@ -107,18 +119,18 @@ struct Running {
 }
 
 impl Executive {
+    /// Without a dive, and with this status.
     pub(crate) fn new(
-        plan: Vec<PlanItem>,
         config: &MissionConfig,
         vehicle: &VehicleConfig,
         interpretation: Interpretation,
         tick: Duration,
+        status: Status,
     ) -> Self {
         let performance = vehicle.performance();
-        let starts_at = Timestamp::ZERO + Duration::from_secs_f64(config.starts_after_s);
         Self {
             log: Vec::new(),
-            plan,
+            plan: Vec::new(),
             interpretation,
             performance,
             altitude_min_m: vehicle.altitude_min_m,
@@ -128,14 +140,16 @@ impl Executive {
                 modify_total: config.modify_total_s.map(Duration::from_secs_f64),
                 modify_deviation_m: config.modify_deviation_m,
                 modify_limit: config.modify_limit,
+                time_limit: config.time_limit_s.map(Duration::from_secs_f64),
                 wrap_up: config.wrap_up,
                 control: config.control,
             },
-            starts_at,
-            ends_at: config
-                .time_limit_s
-                .map(|limit| starts_at + Duration::from_secs_f64(limit)),
-            status: Status::Ready,
+            starts_at: None,
+            called_off: None,
+            called_off_at: None,
+            released: false,
+            ends_at: None,
+            status,
             details: Text::default(),
             empty: false,
             index: 0,
@@ -154,6 +168,7 @@ impl Executive {
             modify_refused: None,
             control: false,
             control_denied: false,
+            control_order: ControlOrder::Plan,
         }
     }
 
@@ -181,12 +196,24 @@ impl Executive {
         self.control_denied = denied;
     }
 
+    /// Sets what decides about control from now on. It takes effect in the next step.
+    pub(crate) const fn order_control(&mut self, order: ControlOrder) {
+        self.control_order = order;
+    }
+
     /// The vehicle ends a mission that is running or waiting to start.
     pub(crate) fn fail_mission(&mut self, details: &'static str) {
         match self.status {
             Status::Running => self.end_mission(true, details),
             Status::Ready | Status::WrappingUp => self.finish(Status::Aborted, details),
-            Status::Aborting | Status::Completed | Status::Aborted | Status::Stopped => {}
+            Status::Offline
+            | Status::Waiting
+            | Status::InvalidDiveFile
+            | Status::InvalidWrapupFile
+            | Status::Aborting
+            | Status::Completed
+            | Status::Aborted
+            | Status::Stopped => {}
         }
     }
 
@@ -230,7 +257,9 @@ impl Executive {
 
     pub(crate) fn activity(&self) -> Activity {
         match self.status {
-            Status::Ready => Activity::Waiting,
+            Status::Offline | Status::Waiting | Status::InvalidDiveFile | Status::InvalidWrapupFile | Status::Ready => {
+                Activity::Waiting
+            }
             Status::WrappingUp | Status::Aborting => Activity::WrappingUp,
             Status::Completed | Status::Aborted | Status::Stopped => Activity::Stopped,
             Status::Running if self.is_suspended() => Activity::Suspended,
@@ -258,14 +287,14 @@ impl Executive {
     /// One step of the mission. Returns what moves the vehicle now. `convergence_deg` is the angle from true north to
     /// the frame's north.
     pub(crate) fn tick(&mut self, now: Timestamp, estimate: &Estimate, convergence_deg: f64) -> Drive {
-        if self.status == Status::Ready && now >= self.starts_at {
-            self.set_status(Status::Running, "");
-            self.begin_planned(0, now, estimate.at);
+        if let Some(at) = self.starts_at.filter(|at| now >= *at && self.status == Status::Ready) {
+            self.start(at, now, estimate.at);
         }
         self.lapse(now);
         if self.is_running() && self.ends_at.is_some_and(|at| now >= at) {
             self.end_mission(true, "time limit");
         }
+        self.call_off(now);
         if let Some(drive) = self.fly_suspended(now, estimate) {
             return drive;
         }
@@ -286,7 +315,13 @@ impl Executive {
             steer = self.steer(now, estimate);
         }
         match self.status {
-            Status::Ready => Drive::Held,
+            Status::Offline | Status::Waiting | Status::InvalidDiveFile | Status::InvalidWrapupFile | Status::Ready => {
+                if self.released {
+                    Drive::Adrift
+                } else {
+                    Drive::Held
+                }
+            }
             Status::WrappingUp | Status::Aborting => self.climb(estimate),
             Status::Running => self.drive(steer, estimate, convergence_deg),
             Status::Completed | Status::Aborted | Status::Stopped => Drive::Adrift,
@@ -341,7 +376,11 @@ impl Executive {
 
     /// The value of "allowDynamicRequests" (SPI 6.24, 7.5).
     fn allows_dynamic_requests(&self, now: Timestamp) -> bool {
-        let whole = self.empty || self.limits.control == ControlWindow::Mission;
+        let whole = match self.control_order {
+            ControlOrder::Take => return false,
+            ControlOrder::Give => true,
+            ControlOrder::Plan => self.empty || self.limits.control == ControlWindow::Mission,
+        };
         self.is_running()
             && (whole
                 || self

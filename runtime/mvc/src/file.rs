@@ -2,6 +2,7 @@
 
 mod acoustic;
 mod adjustment;
+mod dive;
 mod dvl;
 mod expect;
 mod faults;
@@ -10,7 +11,9 @@ mod interpretation;
 mod mission;
 mod mission_command;
 mod power;
+mod profile;
 mod roles;
+mod script;
 mod sensors;
 mod silence;
 mod spi;
@@ -27,30 +30,33 @@ use serde::de::IgnoredAny;
 
 pub use acoustic::{AcousticConfig, AcousticDevice, PeerConfig, PeerPacket};
 pub use adjustment::AdjustmentConfig;
+pub use dive::{DiveConfig, InvalidFile};
 pub use dvl::{DvlTriggerConfig, LineFault};
 pub use expect::{
     ContactsExpectation, ContourExpectation, CoverageExpectation, Expectations, MaximumExpectation, MeasureExpectation,
     SidescanName, TargetKinds,
 };
+pub(crate) use faults::FAULTS_MAX;
 pub use faults::{DirectionName, FaultEntry, FaultFile, FaultName, SensorName, StageName};
 pub use hovering::{HoveringConfig, ShipConfig, ShipSide};
 pub use interpretation::{
-    Acknowledged, AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame,
-    HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyEmptyMode,
-    ModifyFins, TrackcircleLayout, UnackedFrames,
+    Acknowledged, AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, AllTopics, BrokenLine, CancelAllScope,
+    Choice, CtdPressure, HeadingFrame, HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig,
+    Interruption, ModifyBeyond, ModifyEmptyMode, ModifyFins, TrackcircleLayout, UnackedFrames, UnknownCommand,
 };
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use mission_command::MissionCommandConfig;
 pub use power::PowerConfig;
 pub(crate) use power::SHUTDOWN_NOTICE;
 pub use roles::{RoleConfig, RoleError, WithoutRole};
+pub use script::{BeganName, ControlName, MessageEntry, OrderEntry, RuleEntry, ScriptFile, WhenEntry};
 pub(crate) use sensors::COMPASSES_MAX;
 pub use sensors::{
     CompassConfig, DepthSensorConfig, DvlConfig, FixConfig, GpsConfig, ImuConfig, InsConfig, SensorConfig, SoundConfig,
     TailconeConfig, TelemetryConfig, WithoutLock,
 };
 pub use silence::SilenceConfig;
-pub use spi::{AcknowledgeConfig, Profile, SpiConfig};
+pub use spi::{AcknowledgeConfig, LineEnd, Profile, SpiConfig};
 pub use start::StartConfig;
 pub use topside::{TopsideConfig, TopsideEntry};
 pub use vehicle::{MotionModel, VehicleConfig};
@@ -223,6 +229,10 @@ pub struct WorldFile {
     pub mission: MissionConfig,
     /// The front seat's plan, in the order of flight.
     pub plan: Vec<PlanEntry>,
+    /// The dives on the vehicle, in the order in which they are loaded. Without any, the vehicle has one, which `[mission]`
+    /// and `[[plan]]` describe, and it is loaded from the start.
+    #[serde(default)]
+    pub dive: Vec<DiveConfig>,
     /// The server that payloads connect to.
     #[serde(default)]
     pub spi: SpiConfig,
@@ -288,6 +298,14 @@ impl WorldFile {
         self.vehicle.validate()?;
         self.sensors.validate()?;
         self.mission.validate()?;
+        dive::validate(&self.dive)?;
+        let (online_s, starts_s) = (self.mission.online_after_s, self.mission.starts_after_s);
+        check(
+            !self.dive.is_empty() || starts_s >= online_s,
+            "mission.starts_after_s",
+            starts_s,
+            "mission.online_after_s or more",
+        )?;
         self.spi.validate()?;
         self.interpretation.validate()?;
         self.faults.plan()?;
@@ -309,6 +327,9 @@ impl WorldFile {
         let frame = world.frame()?;
         self.hovering.validate(&self.vehicle, &self.start, &frame)?;
         crate::plan::resolve(&self.plan, &frame, &self.vehicle)?;
+        for (number, dive) in (1..).zip(&self.dive).filter(|(_, dive)| !dive.plan.is_empty()) {
+            crate::plan::resolve(&dive.plan, &frame, &self.vehicle).map_err(|error| error.of_dive(number))?;
+        }
         Ok(())
     }
 }

@@ -1,9 +1,11 @@
+mod drawn;
+
 use backseat_world::Stream;
 
 use crate::file::{
-    Acknowledged, AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame,
-    HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyEmptyMode,
-    ModifyFins, TrackcircleLayout, UnackedFrames,
+    Acknowledged, AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, AllTopics, BrokenLine, CancelAllScope,
+    Choice, CtdPressure, HeadingFrame, HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig,
+    Interruption, ModifyBeyond, ModifyEmptyMode, ModifyFins, TrackcircleLayout, UnackedFrames, UnknownCommand,
 };
 
 /// How this run reads what the specification leaves open: the `[interpretation]` section after the seed's draws.
@@ -64,6 +66,14 @@ pub struct Interpretation {
     pub echo_decimals: u8,
     /// The layout of BPRTC that the vehicle reads.
     pub trackcircle_layout: CircleLayout,
+    /// Whether BFACK names an unknown command as it was sent; otherwise `NAK`.
+    pub unknown_is_named: bool,
+    /// Whether a line that is no sentence is answered with `NAK`; otherwise the vehicle ignores it.
+    pub broken_lines_answered: bool,
+    /// Whether the pressure of BFCTD and BPCTD counts from the atmosphere's; otherwise from a vacuum.
+    pub ctd_pressure_is_gauge: bool,
+    /// Whether `BPLOG,ALL` switches BFNVG, BFNVR and BFACK; otherwise everything but BFACK.
+    pub all_is_navigation: bool,
 }
 
 /// The layout of BPRTC that the vehicle reads (SPI 7.6).
@@ -143,6 +153,9 @@ impl Interpretation {
             share if share < 2.0 / 3.0 => EmptyMode::Zero,
             _ => EmptyMode::Refused,
         };
+        let mut answers = Stream::new(seed, "interpretation of answers");
+        let mut coin = || answers.uniform() < 0.5;
+        let of_answers = [coin(), coin(), coin(), coin()];
         Self {
             inserts_fly_on: match config.inserts_after_control {
                 InsertsAfterControl::Fly => true,
@@ -251,6 +264,26 @@ impl Interpretation {
                 TrackcircleLayout::Header => CircleLayout::Header,
                 TrackcircleLayout::Seed => layout,
             },
+            unknown_is_named: match config.unknown_command {
+                UnknownCommand::Nak => false,
+                UnknownCommand::Name => true,
+                UnknownCommand::Seed => of_answers[0],
+            },
+            broken_lines_answered: match config.broken_line {
+                BrokenLine::Ignore => false,
+                BrokenLine::Nak => true,
+                BrokenLine::Seed => of_answers[1],
+            },
+            ctd_pressure_is_gauge: match config.ctd_pressure {
+                CtdPressure::Absolute => false,
+                CtdPressure::Gauge => true,
+                CtdPressure::Seed => of_answers[2],
+            },
+            all_is_navigation: match config.all_topics {
+                AllTopics::All => false,
+                AllTopics::Navigation => true,
+                AllTopics::Seed => of_answers[3],
+            },
         }
     }
 }
@@ -287,6 +320,10 @@ mod tests {
             acknowledged: Acknowledged::Seed,
             echo_decimals: Choice::Seed,
             trackcircle_layout: TrackcircleLayout::Seed,
+            unknown_command: UnknownCommand::Seed,
+            broken_line: BrokenLine::Seed,
+            ctd_pressure: CtdPressure::Seed,
+            all_topics: AllTopics::Seed,
         };
         let drawn: Vec<Interpretation> = (0..64).map(|seed| Interpretation::new(&config, seed)).collect();
         let both = |of: fn(&Interpretation) -> bool| drawn.iter().any(of) && !drawn.iter().all(of);
@@ -308,5 +345,18 @@ mod tests {
         }
         assert!(both(|i| i.silence_cancels_adjustment) && both(|i| i.adjustment_needs_status));
         assert!(both(|i| i.dvl_timeout_announced) && both(|i| i.unacked_is_failed));
+        assert!(both(|i| i.unknown_is_named) && both(|i| i.broken_lines_answered));
+        assert!(both(|i| i.ctd_pressure_is_gauge) && both(|i| i.all_is_navigation));
+        // A file with the values that the seed drew has the same readings, whatever its seed.
+        for (seed, interpretation) in drawn.iter().enumerate() {
+            let said = interpretation.drawn(&config);
+            let text: String = said.iter().map(|(key, value)| format!("{key} = {value}\n")).collect();
+            let fixed: InterpretationConfig = toml::from_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+            let again = Interpretation::new(&fixed, seed as u64 + 1);
+            let lead_in_m = interpretation.lead_in_m;
+            assert!((again.lead_in_m - lead_in_m).abs() < 1e-3, "{text}");
+            assert_eq!(Interpretation { lead_in_m, ..again }, *interpretation, "{text}");
+            assert_eq!(again.drawn(&fixed), []);
+        }
     }
 }

@@ -29,6 +29,7 @@ mod interpretation;
 mod link;
 mod mvc;
 mod plan;
+mod script;
 mod sensors;
 mod server;
 mod services;
@@ -38,7 +39,7 @@ mod vehicle;
 // `world.toml` and a mission write the plan in the same format.
 pub use backseat_plan::{PlaceConfig, PlanEntry, PlanKind, VehicleClass};
 
-pub use error::MvcError;
+pub use error::{DiveError, MvcError, OrderError};
 pub use event::{
     AcousticEvent, AdjustmentEvent, AdjustmentKind, Behavior, CancelCause, ClientId, DropReason, DvlTriggerEvent,
     EndReason, HoveringEvent, MissionEvent, ModifyEnd, ModifyHorizontal, ModifySpeed, ModifyValues, ModifyVertical,
@@ -50,18 +51,22 @@ pub use faults::{
 };
 pub use file::{
     AcknowledgeConfig, Acknowledged, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced,
-    AfterInterrupt, AfterSuspension, CancelAllScope, Choice, CompassConfig, ContactsExpectation, ContourExpectation,
-    ControlWindow, CoverageExpectation, DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations,
-    FaultEntry, FaultFile, FaultName, FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig,
-    InsConfig, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation,
-    MeasureExpectation, MissionCommandConfig, MissionConfig, ModifyBeyond, ModifyEmptyMode, ModifyFins, ModifyLimit,
-    MotionModel, PeerConfig, PeerPacket, PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName,
-    ShipConfig, ShipSide, SidescanName, SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig,
-    TargetKinds, TelemetryConfig, TopsideConfig, TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig,
-    WithoutLock, WithoutRole, WorldFile, WrapUp,
+    AfterInterrupt, AfterSuspension, AllTopics, BeganName, BrokenLine, CancelAllScope, Choice, CompassConfig,
+    ContactsExpectation, ContourExpectation, ControlName, ControlWindow, CoverageExpectation, CtdPressure,
+    DepthSensorConfig, DirectionName, DiveConfig, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile,
+    FaultName, FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace,
+    InsertsAfterControl, InterpretationConfig, Interruption, InvalidFile, LineEnd, LineFault, MaximumExpectation,
+    MeasureExpectation, MessageEntry, MissionCommandConfig, MissionConfig, ModifyBeyond, ModifyEmptyMode, ModifyFins,
+    ModifyLimit, MotionModel, OrderEntry, PeerConfig, PeerPacket, PowerConfig, Profile, RoleConfig, RoleError,
+    RuleEntry, ScriptFile, SensorConfig, SensorName, ShipConfig, ShipSide, SidescanName, SilenceConfig, SoundConfig,
+    SpiConfig, StageName, StartConfig, TailconeConfig, TargetKinds, TelemetryConfig, TopsideConfig, TopsideEntry,
+    TrackcircleLayout, UnackedFrames, UnknownCommand, VehicleConfig, WhenEntry, WithoutLock, WithoutRole, WorldFile,
+    WrapUp,
 };
 pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
 pub use mvc::Mvc;
+pub use script::line::OperatorLine;
+pub use script::{Beginning, ControlOrder, Order, Orderer, Rule, Script, Trigger};
 pub use truth::{Activity, HoveringTruth, Truth};
 pub use vehicle::performance::Performance;

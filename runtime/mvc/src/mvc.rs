@@ -1,10 +1,13 @@
 //! The vehicle as a whole: it passes each input to the part that handles it, and knows nothing else.
 
 mod commands;
+mod dives;
 mod faults;
+mod orders;
 mod steps;
 
 use core::time::Duration;
+use std::collections::VecDeque;
 use std::net::SocketAddr;
 
 use backseat_units::{EastNorth, LocalFrame, Position, Timestamp, Utc};
@@ -13,11 +16,14 @@ use backseat_world::{Grid, World};
 use crate::context::North;
 use crate::error::MvcError;
 use crate::event::{ClientId, DropReason, MvcEvent, Status};
+use crate::executive::dives::resolve;
 use crate::executive::mission::Mission;
+use crate::faults::Fault;
 use crate::faults::timeline::Timeline;
 use crate::file::{MotionModel, WorldFile};
 use crate::interpretation::Interpretation;
 use crate::plan::soundings;
+use crate::script::rules::Rules;
 use crate::sensors::{Sensors, true_heading};
 use crate::server::{Received, Server};
 use crate::services::Services;
@@ -40,6 +46,9 @@ pub struct Mvc {
     services: Services,
     server: Server,
     faults: Timeline,
+    rules: Rules,
+    /// Faults of links that orders have begun, for the driver.
+    link_faults: VecDeque<Fault>,
     period: Duration,
     ticks: u64,
     next_tick: Timestamp,
@@ -76,10 +85,21 @@ impl Mvc {
     pub fn with_grid(file: &WorldFile, seed: u64, grid: Option<Grid>) -> Result<Self, MvcError> {
         let charted = grid.is_some();
         let world = World::with_grid(&file.world_config(), seed, grid)?;
-        let plan = crate::plan::resolve(&file.plan, world.frame(), &file.vehicle)?;
+        let dives = resolve(file, world.frame())?;
         let start = EastNorth::new(file.start.east_m, file.start.north_m);
         soundings::check_start(start, file.start.depth_m, &world)?;
-        soundings::check(&plan, start, &world, file.vehicle.altitude_min_m, charted)?;
+        for (number, dive) in (1..).zip(&dives) {
+            // Where a later dive begins is where the one before left the vehicle.
+            let start = (number == 1).then_some(start);
+            let checked = soundings::check(&dive.plan, start, &world, file.vehicle.altitude_min_m, charted);
+            checked.map_err(|error| {
+                if file.dive.is_empty() {
+                    error
+                } else {
+                    error.of_dive(number)
+                }
+            })?;
+        }
         let interpretation = Interpretation::new(&file.interpretation, seed);
         let period = Duration::from_nanos(1_000_000_000 / u64::from(file.vehicle.tick_hz.clamp(1, 100)));
         let north = North::at(start, world.frame());
@@ -93,11 +113,13 @@ impl Mvc {
         vehicle.sense(&world, Timestamp::ZERO);
         let services = Services::new(file, &world, &mut vehicle, seed);
         Ok(Self {
-            sensors: Sensors::new(file, &vehicle, seed),
-            mission: Mission::new(file, plan, interpretation, period, seed),
+            sensors: Sensors::new(file, &interpretation, &vehicle, seed),
+            mission: Mission::new(file, dives, interpretation, period, seed),
             services,
             server: Server::new(file, &interpretation, seed),
             faults: Timeline::new(&file.faults)?,
+            rules: Rules::default(),
+            link_faults: VecDeque::new(),
             interpretation,
             vehicle,
             north,
@@ -148,6 +170,7 @@ impl Mvc {
             self.server.cut_off(client, DropReason::PowerOff);
         }
         self.settle(now);
+        self.fire(now);
     }
 
     /// A client's connection is gone. The mock forgets the client's subscriptions and what it had still to send to it.
@@ -171,13 +194,23 @@ impl Mvc {
     /// Bytes from a client as they arrived: any number of sentences, of which the last may be incomplete.
     pub fn receive(&mut self, now: Timestamp, client: ClientId, bytes: &[u8]) {
         self.handle_timeout(now);
-        for chunk in bytes.chunks(CHUNK) {
-            self.server.push(client, chunk);
+        // A vehicle that answers broken lines answers them in their order among the good ones.
+        let by_line = self.interpretation.broken_lines_answered;
+        let pieces = bytes.chunks(CHUNK);
+        for piece in pieces.flat_map(|chunk| chunk.split_inclusive(|byte| by_line && *byte == b'\n')) {
+            self.server.push(client, piece);
             while let Some(received) = self.server.next_received(client) {
+                let name = received.name();
                 match received {
                     Received::Command(command) => self.command(now, client, command),
                     Received::Malformed(name, text) => self.server.malformed(now, client, name, text.as_str()),
                 }
+                self.settle(now);
+                self.see_command(now, name);
+                self.fire(now);
+            }
+            if by_line && piece.ends_with(b"\n") && self.server.ends_broken_line(client) {
+                self.server.no_sentence(now, client);
                 self.settle(now);
             }
         }
@@ -188,7 +221,7 @@ impl Mvc {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
         let lapses = self.mission.lapses_at().unwrap_or(self.next_tick);
-        Some(self.next_tick.min(lapses).min(self.next_fault()))
+        Some(self.next_tick.min(lapses).min(self.next_fault()).min(self.rules.next()))
     }
 
     /// Takes every step of the vehicle that is due. A late call takes all of them, each at its own time, so a call that
@@ -196,15 +229,22 @@ impl Mvc {
     pub fn handle_timeout(&mut self, now: Timestamp) {
         loop {
             let fault = self.next_fault();
-            let first = fault.min(self.mission.lapses_at().unwrap_or(Timestamp::MAX));
+            let rule = self.rules.next();
+            let first = fault.min(rule).min(self.mission.lapses_at().unwrap_or(Timestamp::MAX));
             if fault <= now && fault == first && fault <= self.next_tick {
                 self.step_faults(fault);
+                self.observe();
+                continue;
+            }
+            if rule <= now && rule == first && rule <= self.next_tick {
+                self.fire(rule);
                 continue;
             }
             // A modify and a suspension lapse on time and not at the next step: SPI 7.12 and 8.1 promise 5 s and 2 s.
             if let Some(at) = self.mission.lapses_at().filter(|at| *at <= now.min(self.next_tick)) {
                 self.mission.lapse(at);
                 self.settle(at);
+                self.observe();
                 continue;
             }
             if self.next_tick > now {
@@ -215,6 +255,7 @@ impl Mvc {
             self.next_tick = tick + self.period;
             self.last_tick = tick;
             self.tick(tick);
+            self.observe();
         }
     }
 
@@ -281,13 +322,12 @@ impl Mvc {
         }
     }
 
-    /// Whether the mission has completed, was aborted or was killed.
+    /// Whether the mission has completed, was aborted, was killed or cannot start, and no other dive is loaded without an
+    /// operator.
     #[must_use]
     pub fn mission_over(&self) -> bool {
-        matches!(
-            self.mission.status(),
-            Status::Completed | Status::Aborted | Status::Stopped
-        )
+        let status = self.mission.status();
+        status.is_free() && status != Status::Waiting && !self.mission.is_next_dive_waiting()
     }
 
     /// The mission's status.

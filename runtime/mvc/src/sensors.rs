@@ -27,6 +27,7 @@ use self::water::{Water, true_sound_mps};
 use crate::estimate::Estimate;
 use crate::faults::{Sensor, Untrue};
 use crate::file::{SensorConfig, WorldFile};
+use crate::interpretation::Interpretation;
 use crate::vehicle::Vertical;
 use crate::vehicle::{Demand, Drive, HoverDemand, Turn, Vehicle};
 
@@ -97,10 +98,10 @@ struct Failed {
 }
 
 impl Sensors {
-    pub(crate) fn new(file: &WorldFile, vehicle: &Vehicle, seed: u64) -> Self {
+    pub(crate) fn new(file: &WorldFile, interpretation: &Interpretation, vehicle: &Vehicle, seed: u64) -> Self {
         let config = file.sensors;
         let dt_s = 1.0 / f64::from(file.vehicle.tick_hz);
-        let water = Water::new(&config, seed);
+        let water = Water::new(&config, interpretation.ctd_pressure_is_gauge, seed);
         let depth_error_m = water.depth_error_m();
         Self {
             config,

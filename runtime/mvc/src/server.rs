@@ -12,7 +12,9 @@ pub(crate) mod topics;
 
 use std::net::SocketAddr;
 
-use backseat_spi::{AckStatus, Acknowledgement, CommandName, EchoedTime, FromVehicle, Text, VehicleVersion};
+use backseat_spi::{
+    AckStatus, Acknowledgement, CommandName, EchoedTime, FromVehicle, Text, UnknownMessage, VehicleVersion,
+};
 use backseat_units::{TimeOfDay, Timestamp, Utc};
 
 use self::answers::{Answers, Regarding, Verdict, clipped};
@@ -25,6 +27,7 @@ use crate::faults::FaultKind;
 use crate::file::{Profile, WorldFile};
 use crate::interpretation::Interpretation;
 use crate::plan::insert::Insert;
+use crate::script::rules::Seen;
 
 pub(crate) use self::clients::Received;
 
@@ -38,21 +41,32 @@ pub(crate) struct Server {
     utc_at_start: Utc,
     version: Text,
     profile: Profile,
+    acknowledge_text: Box<str>,
+    all_is_navigation: bool,
+    unknown_is_named: bool,
     /// Clients that have been cut off, and of which the rest of the vehicle does not know yet.
     left: Vec<ClientId>,
+    /// What rules of a script may wait for, since they were told last.
+    seen: Vec<(Timestamp, Seen)>,
 }
 
 impl Server {
     pub(crate) fn new(file: &WorldFile, interpretation: &Interpretation, seed: u64) -> Self {
+        let ahead_ns = (file.start.clock_ahead_s * 1e9) as i64;
+        let utc_at_start = file.start.utc.as_unix_nanos().saturating_add_signed(ahead_ns);
         Self {
             clients: Clients::new(&file.spi),
             log: Log::default(),
             answers: Answers::new(interpretation),
             requests: Requests::new(&file.spi, seed),
-            utc_at_start: file.start.utc,
+            utc_at_start: Utc::from_unix_nanos(utc_at_start),
             version: Text::cleaned(&file.spi.version),
             profile: file.spi.profile,
+            acknowledge_text: file.spi.acknowledge_text.as_str().into(),
+            all_is_navigation: interpretation.all_is_navigation,
+            unknown_is_named: interpretation.unknown_is_named,
             left: Vec::new(),
+            seen: Vec::new(),
         }
     }
 
@@ -127,6 +141,11 @@ impl Server {
         self.clients.next_received(client)
     }
 
+    /// Whether the line that a client has just ended is not a sentence.
+    pub(crate) fn ends_broken_line(&mut self, client: ClientId) -> bool {
+        self.clients.ends_broken_line(client)
+    }
+
     /// Logs the input of a client that is no valid sentence.
     pub(crate) fn note_ignored(&mut self, now: Timestamp, client: ClientId) {
         if let Some(what) = self.clients.ignored(now, client) {
@@ -162,7 +181,17 @@ impl Server {
     }
 
     pub(crate) fn note(&mut self, at: Timestamp, kind: MvcEventKind) {
+        if let MvcEventKind::BehaviorBegan(behavior) = kind {
+            self.seen.push((at, Seen::Began(behavior)));
+        } else if let MvcEventKind::Connected(_) = kind {
+            self.seen.push((at, Seen::Connected));
+        }
         self.log.note(at, kind);
+    }
+
+    /// Removes and returns what rules of a script may wait for, in order.
+    pub(crate) fn take_seen(&mut self) -> Vec<(Timestamp, Seen)> {
+        core::mem::take(&mut self.seen)
     }
 
     /// Whether any client has switched on one of these.
@@ -209,7 +238,7 @@ impl Server {
 
     /// BPLOG (SPI 7.1). Returns what it switched on.
     pub(crate) fn switch(&mut self, now: Timestamp, re: Regarding, message: Text, on: bool) -> u32 {
-        let topics = match named(message.as_str()) {
+        let topics = match named(message.as_str(), self.all_is_navigation) {
             Named::Topics(topics) => topics,
             Named::AlwaysOn if on => 0,
             Named::AlwaysOn => {
@@ -238,6 +267,11 @@ impl Server {
             Verdict::Says(status) => (status, None),
             Verdict::Late(status, delay) => (status, Some(delay)),
             Verdict::Lost => return,
+        };
+        let text = if text.is_empty() && status == AckStatus::Succeeded {
+            &self.acknowledge_text
+        } else {
+            text
         };
         let message = Acknowledgement {
             created: self.stamp(now),
@@ -275,15 +309,28 @@ impl Server {
         self.invalid(now, re, text);
     }
 
-    /// Answers a sentence that is not a command.
-    pub(crate) fn no_command(&mut self, now: Timestamp, re: Regarding, name: &str) {
-        let text = format!("{} is no command", name.chars().take(20).collect::<String>());
+    /// Answers a sentence that is not a command. A name that BFACK cannot repeat, because it has not three letters, is
+    /// `NAK` in any case.
+    pub(crate) fn no_command(&mut self, now: Timestamp, re: Regarding, sentence: &UnknownMessage) {
+        let text = format!("{} is no command", sentence.name().chars().take(20).collect::<String>());
+        let named = CommandName::new(sentence.name()).ok().filter(|_| self.unknown_is_named);
+        let time = sentence.fields().next().and_then(time_of_day);
         let re = Regarding {
-            command: CommandName::NAK,
-            created: TimeOfDay::MIDNIGHT,
+            command: named.unwrap_or(CommandName::NAK),
+            created: named.and(time).unwrap_or(TimeOfDay::MIDNIGHT),
             ..re
         };
         self.invalid(now, re, &text);
+    }
+
+    /// Answers a line that is not a sentence, if this vehicle does.
+    pub(crate) fn no_sentence(&mut self, now: Timestamp, client: ClientId) {
+        self.malformed(
+            now,
+            client,
+            CommandName::NAK,
+            "no header of a command matches this line",
+        );
     }
 
     /// The status with which a fault makes the vehicle refuse this command, if one does.
@@ -338,4 +385,10 @@ impl Server {
     pub(crate) fn take_back(&mut self, of: impl Fn(&Insert) -> bool) -> usize {
         self.requests.take_back(of)
     }
+}
+
+/// A time as sentences have it, `hhmmss.sss`.
+fn time_of_day(field: &str) -> Option<TimeOfDay> {
+    let (hour, minute, second) = (field.get(..2)?, field.get(2..4)?, field.get(4..)?);
+    format!("{hour}:{minute}:{second}").parse().ok()
 }

@@ -5,7 +5,7 @@ use svg::node::element::Element;
 use crate::canvas::{Canvas, Pixel, circle, figure, number, path, rectangle, text};
 use crate::ground::Bands;
 use crate::ink;
-use crate::picture::{Picture, Raster, Steer, ZoneKind};
+use crate::picture::{Payload, Picture, Raster, Steer, ZoneKind};
 use crate::view::{View, nice_step};
 
 /// The distance between the map and the panel, pixels.
@@ -88,10 +88,14 @@ type Sign = Box<dyn Fn(Pixel) -> Vec<Element>>;
 /// The signs that the picture contains.
 fn signs(picture: &Picture) -> Vec<(&'static str, Sign)> {
     let mut signs: Vec<(&'static str, Sign)> = Vec::new();
+    let (modifies, inserts) = match picture.payload {
+        Payload::Plugin => ("flown: plugin steers", "flown: plugin's insert"),
+        Payload::Client => ("flown: client steers", "flown: client's insert"),
+    };
     for (steer, name) in [
         (Steer::FrontSeat, "flown: front seat steers"),
-        (Steer::Modify, "flown: plugin steers"),
-        (Steer::Insert, "flown: plugin's insert"),
+        (Steer::Modify, modifies),
+        (Steer::Insert, inserts),
     ] {
         if picture.flown.iter().any(|point| point.steer == steer) {
             signs.push((name, Box::new(move |at| vec![line(at, ink::steer(steer), "2.6", "")])));

@@ -18,7 +18,7 @@ mod view;
 
 use backseat_units::EastNorth;
 
-pub use picture::{Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind};
+pub use picture::{Extent, Palette, Payload, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind};
 
 use canvas::Canvas;
 use labels::Labels;

@@ -27,6 +27,18 @@ pub struct Picture {
     pub lease_begins: Vec<EastNorth>,
     /// The points where leases ended.
     pub lease_ends: Vec<EastNorth>,
+    /// Who asked for what is drawn.
+    pub payload: Payload,
+}
+
+/// Who asks the vehicle for something.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Payload {
+    /// A plugin.
+    #[default]
+    Plugin,
+    /// A client of the vehicle, whatever it is.
+    Client,
 }
 
 /// A rectangle of the frame, metres.
@@ -109,9 +121,9 @@ pub struct TrackPoint {
 pub enum Steer {
     /// The vehicle's own mission.
     FrontSeat,
-    /// A plugin, by a lease.
+    /// A payload, by a lease.
     Modify,
-    /// The vehicle, flying a plugin's insert.
+    /// The vehicle, flying a payload's insert.
     Insert,
 }
 

@@ -5,6 +5,7 @@ use backseat_core::plugin::Judge;
 use wasmtime::component::Linker;
 use wasmtime::{Config, Engine, OperatorCost, VariableOperatorCost};
 
+use crate::cache::{Cache, Key};
 use crate::error::{HostError, one_line};
 use crate::instance::State;
 use crate::plugin::{Plugin, Started};
@@ -12,8 +13,8 @@ use crate::{Budget, inspection, v0_1_0};
 
 /// The largest component that is loaded by default, bytes. An interpreter with its library fits.
 pub const COMPONENT_BYTES: usize = 32 << 20;
-/// How long a component may take to compile by default. Components are compiled ashore, once for each process; one that
-/// takes longer was probably built to do so.
+/// How long a component may take to compile by default. Components are compiled ashore, once, and then kept in a
+/// [`Cache`]; one that takes longer was probably built to do so.
 pub const COMPILE_TIME: Duration = Duration::from_secs(120);
 
 /// A plugin's stack, bytes. An overflow is a trap.
@@ -24,6 +25,16 @@ const STACK_BYTES: usize = 512 << 10;
 pub struct Host {
     engine: Engine,
     linker: Arc<Linker<State>>,
+    cache: Option<Cache>,
+}
+
+/// Where the code of a component comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// This process has compiled it.
+    Compiled,
+    /// An earlier process has, and this one has loaded it from the [`Cache`].
+    Cache,
 }
 
 /// A compiled component that is known to be a plugin. A clone shares the code.
@@ -35,6 +46,7 @@ pub struct Component {
 struct Inner {
     name: String,
     engine: Engine,
+    origin: Origin,
     plugin: v0_1_0::bindings::PluginPre<State>,
 }
 
@@ -52,7 +64,22 @@ impl Host {
         Ok(Self {
             engine,
             linker: Arc::new(linker),
+            cache: None,
         })
+    }
+
+    /// Loads components from this cache where it has them, and keeps in it what it compiles. A component behaves the
+    /// same either way.
+    #[must_use]
+    pub fn with_cache(mut self, cache: Option<Cache>) -> Self {
+        self.cache = cache;
+        self
+    }
+
+    /// The cache of compiled components, if it has one.
+    #[must_use]
+    pub fn cache(&self) -> Option<&Cache> {
+        self.cache.as_ref()
     }
 
     /// Like [`Host::load_within`], with the default bounds [`COMPONENT_BYTES`] and [`COMPILE_TIME`].
@@ -64,7 +91,8 @@ impl Host {
         self.load_within(name, bytes, COMPONENT_BYTES, COMPILE_TIME)
     }
 
-    /// Checks and compiles a component, within a largest size and a longest time. `name` is used in errors only.
+    /// Checks and compiles a component, within a largest size and a longest time, or loads it from the cache. `name` is
+    /// used in messages only.
     ///
     /// # Errors
     ///
@@ -79,7 +107,12 @@ impl Host {
     ) -> Result<Component, HostError> {
         let plugin = || name.to_owned();
         inspection::check_form(name, bytes, bytes_max)?;
-        let component = self.compile_within(name, bytes, time_max)?;
+        let cached = self.cache.as_ref().map(|cache| (cache, Key::new(&self.engine, bytes)));
+        let found = cached.as_ref().and_then(|(cache, key)| cache.find(name, key));
+        let (component, origin) = match found {
+            Some(component) => (component, Origin::Cache),
+            None => (self.compile_within(name, bytes, time_max)?, Origin::Compiled),
+        };
         inspection::require_plugin(&self.engine, name, &component)?;
         let interface = |error: wasmtime::Error| HostError::Interface {
             plugin: plugin(),
@@ -88,10 +121,15 @@ impl Host {
         };
         let linked = self.linker.instantiate_pre(&component).map_err(interface)?;
         let linked = v0_1_0::bindings::PluginPre::new(linked).map_err(interface)?;
+        // Only plugins are kept.
+        if let Some((cache, key)) = cached.filter(|_| origin == Origin::Compiled) {
+            cache.keep(&key, &component);
+        }
         Ok(Component {
             inner: Arc::new(Inner {
                 name: plugin(),
                 engine: self.engine.clone(),
+                origin,
                 plugin: linked,
             }),
         })
@@ -138,6 +176,12 @@ impl Component {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.inner.name
+    }
+
+    /// Where its code comes from.
+    #[must_use]
+    pub fn origin(&self) -> Origin {
+        self.inner.origin
     }
 
     /// Starts a plugin: creates an instance and calls `describe` and `init`. `config_json` is the plugin's

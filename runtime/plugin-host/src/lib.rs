@@ -21,6 +21,9 @@
 //! and 255 more for each page. Each import has a fixed price, which is charged before it does anything: [`LOG_FUEL`],
 //! [`FENCE_FUEL`], [`PUBLISH_FUEL`].
 //!
+//! # Cache
+//! A host with a [`Cache`] loads what an earlier process has compiled, in milliseconds, and only if this user wrote it.
+//!
 //! # Life cycle
 //! After a fault that loses the instance (all but `Error`), [`Plugin::step`] returns `Start` until [`Plugin::restart`] has
 //! created a new instance: it calls `init`, then `restore` with the last snapshot. Snapshots are taken at the interval of
@@ -28,6 +31,7 @@
 
 mod allowance;
 mod budget;
+mod cache;
 mod error;
 mod host;
 mod inspection;
@@ -38,8 +42,9 @@ mod plugin;
 mod v0_1_0;
 
 pub use budget::Budget;
+pub use cache::{Cache, Notice, PATIENCE, ROOM_BYTES};
 pub use error::HostError;
-pub use host::{COMPILE_TIME, COMPONENT_BYTES, Component, Host};
+pub use host::{COMPILE_TIME, COMPONENT_BYTES, Component, Host, Origin};
 pub use inspection::{Inspection, inspect};
 pub use instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL};
 pub use plugin::{Plugin, Restarted, Started};

@@ -32,7 +32,7 @@ impl Components {
         Self::default()
     }
 
-    /// Finds and compiles the components of a mission, each once. Bare names are looked up in `folder` first.
+    /// Finds and compiles the components of a mission, each once, or takes them from the host's cache. Bare names are looked up in `folder` first.
     ///
     /// # Errors
     ///
@@ -73,6 +73,7 @@ impl Components {
             setups: Vec::new(),
             plugins: Vec::new(),
             components: Vec::new(),
+            origins: Vec::new(),
         };
         for table in &mission.file.plugins {
             let compiled = self.find(&table.name, &table.component)?;
@@ -86,6 +87,7 @@ impl Components {
             });
             loaded.plugins.push(started.plugin);
             loaded.components.push((table.name.clone(), compiled.bytes.to_vec()));
+            loaded.origins.push(compiled.component.origin());
         }
         Ok(loaded)
     }

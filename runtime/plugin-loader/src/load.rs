@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use backseat_core::PluginSetup;
 use backseat_mission::{Mission, MissionError};
-use backseat_plugin_host::{Host, HostError, Plugin};
+use backseat_plugin_host::{Host, HostError, Origin, Plugin};
 
 use crate::components::Components;
 
@@ -60,6 +60,8 @@ pub struct Loaded {
     pub plugins: Vec<Plugin>,
     /// The names and bytes of the components, for the log.
     pub components: Vec<(String, Vec<u8>)>,
+    /// Where the code of each one comes from, in the same order.
+    pub origins: Vec<Origin>,
 }
 
 /// Finds, compiles and starts a mission's plugins.

@@ -121,6 +121,9 @@ pub struct Entry {
     pub instead_of: Vec<String>,
     /// The keys of this table are those of another: `table`, or `file:table` of another file.
     pub same_as: Option<String>,
+    /// The keys that this table does not have, of the table whose keys it has otherwise.
+    #[serde(default)]
+    pub except: Vec<String>,
     /// A value to copy.
     pub example: Option<toml::Value>,
 }

@@ -1,5 +1,5 @@
 //! The reference of what a user writes in a file and of what a program prints: one entry for each key of `mission.toml`,
-//! of `world.toml`, of a file of faults, of a zone of a fence, and of the report.
+//! of `world.toml`, of a file of faults, of a script, of a zone of a fence, and of the report.
 //!
 //! The entries are TOML in `keys/`. The pages in `runtime/docs/reference`, the JSON Schemas in `missions/schemas` and
 //! the output of `backseat explain` are made from them. Tests compare them with the code that reads the files: a key

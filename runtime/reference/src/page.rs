@@ -34,7 +34,12 @@ pub fn page(reference: &Reference) -> String {
             let _ = write!(text, " Without it: {absent}.");
         }
         if let Some(other) = &table.same_as {
-            let _ = write!(text, " Its keys are those of `{}`.", header(reference, other));
+            let _ = write!(text, " Its keys are those of `{}`", header(reference, other));
+            let except: Vec<&str> = table.except.iter().map(|key| last(key)).collect();
+            if !except.is_empty() {
+                let _ = write!(text, ", without `{}`", except.join("` and `"));
+            }
+            text.push('.');
         }
         text.push('\n');
         if table.same_as.is_none() {
@@ -74,6 +79,9 @@ fn section(text: &mut String, reference: &Reference, table: &str) {
         }
         for below in reference.within(&entry.key) {
             let _ = writeln!(text, "- `{{ {} = ... }}`: {}", below.name(), below.meaning);
+            for choice in &below.values {
+                let _ = writeln!(text, "  - `{}`: {}", choice.value, choice.meaning);
+            }
         }
     }
     // Of keys that may not stand together, the first; and nothing that needs the others.
@@ -93,6 +101,10 @@ fn section(text: &mut String, reference: &Reference, table: &str) {
         }
         let _ = writeln!(text, "{}\n```", examples.join("\n"));
     }
+}
+
+fn last(key: &str) -> &str {
+    key.rsplit_once('.').map_or(key, |(_, name)| name)
 }
 
 /// An entry as `backseat explain` prints it.

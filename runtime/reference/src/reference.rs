@@ -31,6 +31,7 @@ pub static REFERENCES: LazyLock<Vec<Reference>> = LazyLock::new(|| {
         include_str!("../keys/mission.toml"),
         include_str!("../keys/world.toml"),
         include_str!("../keys/faults.toml"),
+        include_str!("../keys/script.toml"),
         include_str!("../keys/fence.toml"),
         include_str!("../keys/report.toml"),
     ]
@@ -62,12 +63,15 @@ impl Reference {
 
     /// The entries directly in this table; the empty name is the top of the file.
     pub fn within<'a>(&'a self, table: &'a str) -> impl Iterator<Item = &'a Entry> {
-        let shared = self.entry(table).and_then(|entry| entry.same_as.as_deref());
+        let entry = self.entry(table);
+        let except = entry.map_or(&[][..], |entry| &entry.except);
+        let shared = entry.and_then(|entry| entry.same_as.as_deref());
         let (reference, table) = match shared.map(|shared| shared.split_once(':').ok_or(shared)) {
             Some(Ok((file, table))) => (Self::of(file).unwrap_or(self), table),
             Some(Err(table)) => (self, table),
             None => (self, table),
         };
-        reference.entries.iter().filter(move |entry| entry.table() == table)
+        let within = move |entry: &&Entry| entry.table() == table && !except.contains(&entry.key);
+        reference.entries.iter().filter(within)
     }
 }

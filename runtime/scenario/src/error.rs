@@ -14,6 +14,14 @@ pub enum ScenarioError {
         /// Where `world.toml` should be.
         path: PathBuf,
     },
+    /// There is no scenario at a place that was named.
+    #[error("{}: {found}: expected a folder with world.toml, or the path of a world.toml", path.display())]
+    NoPlace {
+        /// The place.
+        path: PathBuf,
+        /// What is there instead.
+        found: &'static str,
+    },
     /// A file cannot be read.
     #[error("{}: {source}", path.display())]
     Read {

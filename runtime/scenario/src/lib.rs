@@ -13,6 +13,6 @@ mod soundings;
 
 pub use controller::{read_controller, true_pose};
 pub use error::ScenarioError;
-pub use faults::read_faults;
+pub use faults::{read_faults, read_script};
 pub use scenario::Scenario;
 pub use soundings::Soundings;

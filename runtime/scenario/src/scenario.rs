@@ -11,6 +11,9 @@ use crate::controller::read_controller;
 use crate::error::ScenarioError;
 use crate::grid::read_grid;
 
+/// The name of the file in a mission's folder.
+const WORLD: &str = "world.toml";
+
 /// The world in which a mission is simulated.
 #[derive(Clone, Debug)]
 pub struct Scenario {
@@ -44,9 +47,42 @@ impl Scenario {
     /// [`ScenarioError`] in one line, with file and place.
     pub fn find(mission: &Mission) -> Result<Option<Self>, ScenarioError> {
         let path = world_path(mission);
-        if !path.is_file() {
-            return Ok(None);
+        if path.is_file() {
+            Self::read(path).map(Some)
+        } else {
+            Ok(None)
         }
+    }
+
+    /// Reads a scenario without a mission: `place` is a folder with `world.toml`, or such a file under any name. Files
+    /// that it names are beside it.
+    ///
+    /// # Errors
+    ///
+    /// [`ScenarioError`] in one line, with file and place; also if there is neither such a folder nor such a file.
+    pub fn open(place: &Path) -> Result<Self, ScenarioError> {
+        let path = if place.is_dir() {
+            place.join(WORLD)
+        } else {
+            place.to_path_buf()
+        };
+        let is_mission = path.file_name().is_some_and(|name| name == "mission.toml");
+        if path.is_file() && !is_mission {
+            return Self::read(path);
+        }
+        Err(ScenarioError::NoPlace {
+            path: place.to_path_buf(),
+            found: if is_mission {
+                "a mission's file"
+            } else if place.is_dir() {
+                "a folder without world.toml"
+            } else {
+                "nothing there"
+            },
+        })
+    }
+
+    fn read(path: PathBuf) -> Result<Self, ScenarioError> {
         let text = std::fs::read_to_string(&path).map_err(|source| ScenarioError::Read {
             path: path.clone(),
             source,
@@ -54,16 +90,26 @@ impl Scenario {
         let world = WorldFile::from_toml(&text).map_err(|source| ScenarioError::world(&path, source))?;
         let plc = read_controller(&path, &text)?;
         let grid = match &world.seabed.grid {
-            Some(grid) => Some(read_grid(&mission.folder.join(grid))?),
+            Some(grid) => Some(read_grid(&path.with_file_name(grid))?),
             None => None,
         };
-        Ok(Some(Self {
+        Ok(Self {
             world,
             plc,
             path,
             text,
             grid,
-        }))
+        })
+    }
+
+    /// A name for this scenario: that of its folder, or that of its file if this is not `world.toml`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let is_world = self.path.file_name().is_some_and(|name| name == WORLD);
+        let folder = self.path.canonicalize().ok();
+        let folder = folder.as_deref().and_then(Path::parent).and_then(Path::file_name);
+        let name = if is_world { folder } else { self.path.file_stem() };
+        name.map_or_else(|| WORLD.to_owned(), |name| name.to_string_lossy().into_owned())
     }
 
     /// The mock vehicle in the world of this seed, over the scenario's grid.
@@ -116,5 +162,5 @@ impl Scenario {
 }
 
 fn world_path(mission: &Mission) -> PathBuf {
-    mission.folder.join("world.toml")
+    mission.folder.join(WORLD)
 }

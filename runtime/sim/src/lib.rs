@@ -14,6 +14,7 @@ mod report;
 mod simulation;
 mod survey_map;
 mod trace;
+mod vehicle_map;
 mod verdict;
 
 pub use control::{ControlTime, ControlTimes};
@@ -23,4 +24,5 @@ pub use simulation::sonars::FileSink;
 pub use simulation::{SimError, Simulation, Step};
 pub use survey_map::survey_map;
 pub use trace::{Sample, Steering, Trace};
+pub use vehicle_map::vehicle_map;
 pub use verdict::{Gap, Verdict, VerdictError, judge_log};

@@ -14,7 +14,7 @@ use std::time::Duration;
 use backseat_core::plugin::Rule;
 use backseat_core::{Envelope, Identifiers, RequestCounts, Reservation, Settings, Start};
 use backseat_mission::Mission;
-use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status};
+use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Script, Status};
 use backseat_oracle::{OracleError, State, Statistics};
 use backseat_plc::PlcError;
 use backseat_plugin_loader::Loaded;
@@ -238,6 +238,14 @@ impl Simulation {
         self.mvc.set_faults(plan);
     }
 
+    /// Gives this run a script. Call it before the first [`Simulation::advance`].
+    ///
+    /// # Errors
+    /// [`MvcError`] with the rule's line, if it names a dive that the vehicle does not have.
+    pub fn set_script(&mut self, script: Script) -> Result<(), MvcError> {
+        self.mvc.set_script(script)
+    }
+
     /// Virtual time.
     #[must_use]
     pub const fn now(&self) -> Timestamp {
@@ -431,8 +439,13 @@ impl Simulation {
         }
         let outcome = match self.mvc.mission_status() {
             Status::Completed => "completed",
-            Status::Aborted | Status::Stopped => "aborted",
-            Status::Ready | Status::Running | Status::WrappingUp | Status::Aborting => "overran",
+            Status::Aborted | Status::Stopped | Status::InvalidDiveFile | Status::InvalidWrapupFile => "aborted",
+            Status::Offline
+            | Status::Waiting
+            | Status::Ready
+            | Status::Running
+            | Status::WrappingUp
+            | Status::Aborting => "overran",
         };
         let (requests, requests_open) = (self.request_counts(), self.open_requests());
         let seen = self.oracle.statistics();

@@ -2,7 +2,9 @@ use backseat_core::plugin::{PositionRequest, Request, Rule};
 use backseat_fence::Kind;
 use backseat_mission::Mission;
 use backseat_mvc::Mvc;
-use backseat_picture::{Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render};
+use backseat_picture::{
+    Extent, Palette, Payload, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render,
+};
 use backseat_scenario::Scenario;
 use backseat_spi::ToVehicle;
 use backseat_units::{EastNorth, LocalFrame, Position, Timestamp};
@@ -31,23 +33,8 @@ pub fn survey_map(mission: &Mission, scenario: &Scenario, report: &Report, trace
             margin_m: zone.margin_m(),
         })
         .collect();
-    let extent = extent_of(&zones);
-    let flown = trace
-        .samples
-        .iter()
-        .filter_map(|sample| {
-            let steer = match sample.steering {
-                Steering::Plan => Steer::FrontSeat,
-                Steering::Modify => Steer::Modify,
-                Steering::Insert => Steer::Insert,
-                Steering::Nobody => return None,
-            };
-            Some(TrackPoint {
-                at: frame.to_local(sample.position),
-                steer,
-            })
-        })
-        .collect();
+    let keep_ins = zones.iter().filter(|zone| zone.kind == ZoneKind::KeepIn);
+    let extent = extent_of(keep_ins.flat_map(|zone| zone.rings.iter().flatten().copied()));
     let picture = Picture {
         title: mission.name.clone(),
         subtitle: format!(
@@ -67,12 +54,8 @@ pub fn survey_map(mission: &Mission, scenario: &Scenario, report: &Report, trace
         extent: None,
         ground: Some(ground(extent, frame, mvc, contour_sought(scenario))),
         planned: plan(mvc).iter().map(|position| frame.to_local(*position)).collect(),
-        flown,
-        inserts: trace
-            .inserts
-            .iter()
-            .filter_map(|insert| insert_shape(insert, frame))
-            .collect(),
+        flown: flown(trace, frame),
+        inserts: inserts(trace, frame),
         rejected: trace
             .rejected
             .iter()
@@ -80,6 +63,7 @@ pub fn survey_map(mission: &Mission, scenario: &Scenario, report: &Report, trace
             .collect(),
         lease_begins: changes(trace, frame, true),
         lease_ends: changes(trace, frame, false),
+        payload: Payload::Plugin,
         zones,
     };
     render(&picture)
@@ -102,15 +86,37 @@ fn contour_sought(scenario: &Scenario) -> Option<f64> {
     scenario.world.expect.contour.map(|contour| contour.water_depth_m)
 }
 
-fn extent_of(zones: &[Zone]) -> Extent {
+/// The vehicle's true track.
+pub(crate) fn flown(trace: &Trace, frame: &LocalFrame) -> Vec<TrackPoint> {
+    let steered = trace.samples.iter().filter_map(|sample| {
+        let steer = match sample.steering {
+            Steering::Plan => Steer::FrontSeat,
+            Steering::Modify => Steer::Modify,
+            Steering::Insert => Steer::Insert,
+            Steering::Nobody => return None,
+        };
+        Some(TrackPoint {
+            at: frame.to_local(sample.position),
+            steer,
+        })
+    });
+    steered.collect()
+}
+
+pub(crate) fn inserts(trace: &Trace, frame: &LocalFrame) -> Vec<Shape> {
+    let inserts = trace.inserts.iter();
+    inserts.filter_map(|insert| insert_shape(insert, frame)).collect()
+}
+
+/// These points with some room around them.
+pub(crate) fn extent_of(points: impl Iterator<Item = EastNorth>) -> Extent {
     let mut extent = Extent {
         west_m: f64::MAX,
         south_m: f64::MAX,
         east_m: f64::MIN,
         north_m: f64::MIN,
     };
-    let keep_ins = zones.iter().filter(|zone| zone.kind == ZoneKind::KeepIn);
-    for point in keep_ins.flat_map(|zone| zone.rings.iter().flatten()) {
+    for point in points {
         extent.west_m = extent.west_m.min(point.east_m);
         extent.east_m = extent.east_m.max(point.east_m);
         extent.south_m = extent.south_m.min(point.north_m);
@@ -126,7 +132,7 @@ fn extent_of(zones: &[Zone]) -> Extent {
 }
 
 /// The field if the world has one, otherwise the seabed.
-fn ground(extent: Extent, frame: &LocalFrame, mvc: &Mvc, highlight: Option<f64>) -> Raster {
+pub(crate) fn ground(extent: Extent, frame: &LocalFrame, mvc: &Mvc, highlight: Option<f64>) -> Raster {
     let world = mvc.world();
     let (wide_m, high_m) = (extent.east_m - extent.west_m, extent.north_m - extent.south_m);
     let step_m = wide_m.max(high_m) / NODES;
@@ -167,7 +173,7 @@ fn ground(extent: Extent, frame: &LocalFrame, mvc: &Mvc, highlight: Option<f64>)
 }
 
 /// The front seat's own plan.
-fn plan(mvc: &Mvc) -> Vec<Position> {
+pub(crate) fn plan(mvc: &Mvc) -> Vec<Position> {
     mvc.plan_points()
         .into_iter()
         .filter(|(number, _)| number.is_some())
@@ -282,7 +288,7 @@ fn within(extent: Extent, start: EastNorth, end: EastNorth) -> Option<(EastNorth
 }
 
 /// Where modifies began, or ended.
-fn changes(trace: &Trace, frame: &LocalFrame, begins: bool) -> Vec<EastNorth> {
+pub(crate) fn changes(trace: &Trace, frame: &LocalFrame, begins: bool) -> Vec<EastNorth> {
     trace
         .samples
         .windows(2)

@@ -96,7 +96,7 @@ const NAVIGATION_MAX: usize = 1000;
 
 impl Trace {
     /// Takes a sample, if the last one is a second old. Returns whether it took one.
-    pub(crate) fn truth(&mut self, truth: &Truth) -> bool {
+    pub fn truth(&mut self, truth: &Truth) -> bool {
         if truth.time < self.next_sample {
             return false;
         }

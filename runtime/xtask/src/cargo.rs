@@ -37,13 +37,17 @@ pub(crate) fn cargo_command(arguments: &[&str]) -> Command {
     command
 }
 
-/// The program, without the user's environment variables for it, so that missions are flown as they are in the tree.
+/// The program, without the user's environment variables for it, so that missions are flown as they are in the tree. It
+/// keeps compiled plugins in the target folder, as the tests do.
 pub(crate) fn backseat(program: &Path) -> Command {
     let mut command = Command::new(program);
     for (name, _) in env::vars_os() {
         if name.to_string_lossy().starts_with("BACKSEAT") {
             command.env_remove(name);
         }
+    }
+    if let Ok(target) = target() {
+        command.env("BACKSEAT_CACHE", target.join("plugin-cache"));
     }
     command
 }

@@ -7,14 +7,13 @@ use std::thread;
 
 use anyhow::{Context, Result, bail};
 use backseat_mission::{Layers, Mission};
-use backseat_plugin_host::Host;
 use backseat_plugin_loader::Components;
 use backseat_scenario::Scenario;
 use backseat_sim::{Report, Simulation};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::flight::Range;
+use crate::flight::{Range, host};
 use crate::plan::Plan;
 
 /// Two digests of a run: change the code, fly the seed again, compare.
@@ -74,7 +73,7 @@ pub fn of_mission(
 ) -> Result<BTreeMap<u64, Digests>> {
     let mission = Mission::load(mission, &Layers::default())?;
     let scenario = Scenario::load(&mission)?;
-    let components = Components::load(&Host::new()?, &mission, Some(plugins))?;
+    let components = Components::load(&host(plugins)?, &mission, Some(plugins))?;
     let workers = vec![(); workers.max(1)];
     each_seed(seeds, workers, |(), seed| {
         let mut simulation = Simulation::new(&mission, &scenario, seed, components.start(&mission)?, None)?;

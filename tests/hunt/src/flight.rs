@@ -10,7 +10,7 @@ use backseat_core::plugin::PluginId;
 use backseat_mission::{Layers, Mission, PluginTable};
 use backseat_mvc::{FaultKind, Status};
 use backseat_oracle::State;
-use backseat_plugin_host::Host;
+use backseat_plugin_host::{Cache, Host};
 use backseat_plugin_loader::Components;
 use backseat_recorder::{Header, Rate, Recorder};
 use backseat_scenario::Scenario;
@@ -78,6 +78,16 @@ enum Act {
     DiskHasRoom,
 }
 
+/// A host for the plugins of a folder, with a cache beside that folder: it is not the user's.
+///
+/// # Errors
+///
+/// If this machine cannot run WebAssembly.
+pub(crate) fn host(plugins: &Path) -> Result<Host> {
+    let cache = Cache::new(plugins.with_file_name("plugin-cache"), |notice| eprintln!("{notice}"));
+    Ok(Host::new()?.with_cache(Some(cache)))
+}
+
 impl Range {
     /// Compiles the plugins of a folder.
     ///
@@ -85,7 +95,7 @@ impl Range {
     ///
     /// With the component that is missing or that the host refuses.
     pub fn new(plugins: &Path) -> Result<Self> {
-        let host = Host::new()?;
+        let host = host(plugins)?;
         let mut components = Components::new();
         for name in COMPONENTS {
             let path = plugins.join(format!("{name}.wasm"));

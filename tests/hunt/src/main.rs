@@ -71,7 +71,7 @@ enum Task {
     },
     /// Print digests of many runs, one line for each seed; a refactoring must not change them
     Digests(Seeds),
-    /// Print only the tree hash
+    /// Print the tree hash, and below it the hash of each crate
     Tree,
     /// List the mutations of this build: the checks of the monitor that it can leave out
     Checks,
@@ -186,7 +186,7 @@ fn run() -> Result<bool> {
         }
         Task::Digests(seeds) => digests(&cli.plugins, &seeds),
         Task::Tree => {
-            println!("{TREE}");
+            print(&format!("{TREE}\n{}\n", TREES.replace(',', "\n")))?;
             Ok(true)
         }
         Task::Checks => {
@@ -207,6 +207,9 @@ fn run() -> Result<bool> {
 
 /// A digest of the paths and contents of the sources of core, fence, mvc, oracle, sim and spi that this was built from.
 const TREE: &str = env!("BACKSEAT_TREE");
+
+/// The same digest of the sources of each of these crates alone, as `NAME DIGEST` with a comma between two.
+const TREES: &str = env!("BACKSEAT_TREES");
 
 fn tree_line(tree: Option<&str>) -> String {
     format!("tree {}", tree.unwrap_or("unknown"))

@@ -1,4 +1,5 @@
 use std::fs::{self, File};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -22,7 +23,7 @@ impl Process {
         folder: Option<PathBuf>,
         stdout: Option<PathBuf>,
         stderr: Option<Stdio>,
-        stdin: &[u8],
+        stdin: Option<&[u8]>,
     ) -> Self {
         let streams = tempfile::tempdir().expect("a temporary folder can be made");
         let file = |name: &str| File::create(streams.path().join(name)).expect("the folder is ours");
@@ -35,13 +36,35 @@ impl Process {
             let opened = File::options().write(true).open(&path);
             opened.unwrap_or_else(|error| panic!("{}: {error}", path.display()))
         });
-        let input = streams.path().join("stdin");
-        fs::write(&input, stdin).expect("the folder is ours");
-        let stdin = File::open(&input).expect("it was just written");
+        let stdin = match stdin {
+            Some(bytes) => {
+                let input = streams.path().join("stdin");
+                fs::write(&input, bytes).expect("the folder is ours");
+                File::open(&input).expect("it was just written").into()
+            }
+            None => Stdio::piped(),
+        };
         let own = Stdio::from(file("stderr"));
         command.stdin(stdin).stdout(stdout).stderr(stderr.unwrap_or(own));
         let child = command.spawn().expect("the program was just built");
         Self { child, streams }
+    }
+
+    /// Writes a line into its standard input, which was left open.
+    ///
+    /// # Panics
+    ///
+    /// If it is not open, or the program does not read it any more.
+    pub fn types(&mut self, line: &str) {
+        let stdin = self.child.stdin.as_mut().expect("its standard input was left open");
+        stdin
+            .write_all(format!("{line}\n").as_bytes())
+            .expect("the program reads its input");
+    }
+
+    /// Ends its standard input.
+    pub fn ends_input(&mut self) {
+        self.child.stdin = None;
     }
 
     /// The exit code if the program has ended; `Some(None)` if a signal ended it.

@@ -15,8 +15,8 @@ const ENDS_WITHIN: Duration = Duration::from_secs(180);
 
 /// A command line of the program.
 ///
-/// It runs in an empty folder, with the project's plugins in `$BACKSEAT_PLUGINS`, without other `BACKSEAT*` variables,
-/// and with the user's state in that folder.
+/// It runs in an empty folder, with the project's plugins in `$BACKSEAT_PLUGINS`, with the tests' own cache of compiled
+/// plugins, without other `BACKSEAT*` variables, and with the user's state in that folder.
 #[derive(Debug, Default)]
 pub struct Backseat {
     arguments: Vec<OsString>,
@@ -25,6 +25,7 @@ pub struct Backseat {
     stdout: Option<PathBuf>,
     stderr: Option<Stdio>,
     stdin: Vec<u8>,
+    typed: bool,
     file_max_kib: Option<u64>,
     for_sea: bool,
 }
@@ -97,6 +98,13 @@ impl Backseat {
         self
     }
 
+    /// Leaves its standard input open, for [`Process::types`].
+    #[must_use]
+    pub fn typed(mut self) -> Self {
+        self.typed = true;
+        self
+    }
+
     /// Limits the size of the files that it writes: later writes fail as on a full disk.
     #[must_use]
     pub fn file_max_kib(mut self, kib: u64) -> Self {
@@ -157,9 +165,11 @@ impl Backseat {
             }
         }
         command.env("BACKSEAT_PLUGINS", backseat_test_support::plugins());
+        command.env("BACKSEAT_CACHE", backseat_test_support::cache());
         command.envs(self.environment);
         command.args(self.arguments);
-        Process::start(command, self.folder, self.stdout, self.stderr, &self.stdin)
+        let stdin = (!self.typed).then_some(&*self.stdin);
+        Process::start(command, self.folder, self.stdout, self.stderr, stdin)
     }
 }
 

@@ -107,19 +107,25 @@ impl Vehicle {
     /// Starts it on a free port of a very busy machine.
     #[must_use]
     pub fn start_within(mission: &Mission, within: Duration) -> Self {
-        Self::begin(mission, "127.0.0.1:0", &[], within)
+        Self::begin(mission, "127.0.0.1:0", &[], within, Backseat::new())
+    }
+
+    /// Starts it on a free port with these options, and with an operator: [`Process::types`].
+    #[must_use]
+    pub fn start_typed(mission: &Mission, flags: &[&str]) -> Self {
+        Self::begin(mission, "127.0.0.1:0", flags, STARTS_WITHIN, Backseat::new().typed())
     }
 
     /// Starts it on this address with these options.
     #[must_use]
     pub fn start_with(mission: &Mission, address: &str, flags: &[&str]) -> Self {
-        Self::begin(mission, address, flags, STARTS_WITHIN)
+        Self::begin(mission, address, flags, STARTS_WITHIN, Backseat::new())
     }
 
-    fn begin(mission: &Mission, address: &str, flags: &[&str], within: Duration) -> Self {
+    fn begin(mission: &Mission, address: &str, flags: &[&str], within: Duration, program: Backseat) -> Self {
         let count = fs::read_dir(mission.beside("")).map_or(0, Iterator::count);
         let log = mission.beside(&format!("vehicle-{count}.log"));
-        let process = Backseat::new()
+        let process = program
             .args(["mvc", "--listen", address, "--log"])
             .arg(&log)
             .args(flags.iter().copied())

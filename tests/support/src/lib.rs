@@ -53,6 +53,13 @@ pub fn plugins() -> &'static Path {
     })
 }
 
+/// The folder in which tests keep compiled plugins, beside [`plugins`]: not the user's. (A test of the cache has a folder
+/// of its own.)
+#[must_use]
+pub fn cache() -> PathBuf {
+    plugins().with_file_name("plugin-cache")
+}
+
 /// The program `backseat`, built from the tree, in the target folder and with the profile of the calling test. (Cargo
 /// only tells a test where a program is if both are in the same package.)
 ///

@@ -1,9 +1,11 @@
+mod orders;
+
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::time::Duration;
 
 use anyhow::Result;
-use backseat_mvc::{ClientId, Direction, LinkFaults};
+use backseat_mvc::{ClientId, Direction, LinkFaults, MvcEvent};
 use backseat_scenario::true_pose;
 use backseat_units::Timestamp;
 use tokio::net::{TcpListener, TcpStream};
@@ -12,7 +14,9 @@ use tokio::sync::mpsc;
 use crate::clock::Clock;
 use crate::mvc::connection::Connection;
 use crate::mvc::log::Log;
+use crate::mvc::operator::Lines;
 use crate::mvc::status::Status;
+use crate::mvc::vehicle_clock::VehicleClock;
 use crate::peer::Heard;
 use crate::plc::controller::{Controller, Inbox, Message};
 use crate::speed::Speed;
@@ -39,6 +43,7 @@ struct Server {
     faults: LinkFaults,
     clock: Clock,
     speed: Speed,
+    vehicle_clock: VehicleClock,
     /// The vehicle's time, which never goes backwards.
     at: Timestamp,
     end: Option<Timestamp>,
@@ -47,7 +52,7 @@ struct Server {
     clients: u32,
     log: Option<Log>,
     status: Status,
-    spectator: Option<Spectator>,
+    spectators: Vec<Box<dyn Spectator>>,
     scratch: Vec<u8>,
     flush_at: Duration,
     accept_at: Duration,
@@ -63,24 +68,45 @@ pub(crate) struct Service {
     pub(crate) controller: Option<(Controller, Inbox)>,
     pub(crate) clock: Clock,
     pub(crate) speed: Speed,
+    /// How many clients must be connected before the vehicle's clock goes.
+    pub(crate) wait: usize,
     pub(crate) end: Option<Timestamp>,
     pub(crate) log: Option<Log>,
     pub(crate) status: Status,
-    /// Sees the vehicle after each of its steps.
-    pub(crate) spectator: Option<Spectator>,
+    /// Whoever sees what happens.
+    pub(crate) spectators: Vec<Box<dyn Spectator>>,
+    /// What the operator types.
+    pub(crate) operator: Lines,
 }
 
-/// Whoever sees the vehicle after its steps.
-pub(crate) type Spectator = Box<dyn FnMut(&backseat_mvc::Mvc)>;
+/// Whoever sees the vehicle after its steps, and perhaps what happens between them.
+pub(crate) trait Spectator {
+    /// The vehicle has taken a step.
+    fn step(&mut self, vehicle: &backseat_mvc::Mvc);
+
+    /// A client's line has arrived.
+    fn received(&mut self, _line: &[u8]) {}
+
+    /// Something has happened in the vehicle.
+    fn event(&mut self, _event: &MvcEvent) {}
+}
+
+impl<F: FnMut(&backseat_mvc::Mvc)> Spectator for F {
+    fn step(&mut self, vehicle: &backseat_mvc::Mvc) {
+        self(vehicle);
+    }
+}
 
 impl Service {
-    /// Serves until `ended`, or until the vehicle's time has reached the end. Returns the vehicle as it is then.
+    /// Serves until `ended`, or until the vehicle's time has reached the end. Returns the vehicle as it is then, and how
+    /// many clients it has served.
     ///
     /// # Errors
     ///
     /// If a file is incomplete: the log, or one of the payload controller.
-    pub(crate) async fn serve(self, ended: impl Future<Output = ()>) -> Result<backseat_mvc::Mvc> {
+    pub(crate) async fn serve(self, ended: impl Future<Output = ()>) -> Result<(backseat_mvc::Mvc, u32)> {
         let listener = self.listener;
+        let mut operator = self.operator;
         let (heard_by, mut heard) = mpsc::unbounded_channel();
         let (controller, mut inbox) = self.controller.unzip();
         let mut server = Server {
@@ -89,6 +115,7 @@ impl Service {
             faults: self.faults,
             clock: self.clock,
             speed: self.speed,
+            vehicle_clock: VehicleClock::new(self.clock, self.speed, self.wait),
             at: Timestamp::ZERO,
             end: self.end,
             connections: BTreeMap::new(),
@@ -96,7 +123,7 @@ impl Service {
             clients: 0,
             log: self.log,
             status: self.status,
-            spectator: self.spectator,
+            spectators: self.spectators,
             scratch: Vec::new(),
             flush_at: Duration::ZERO,
             accept_at: Duration::ZERO,
@@ -105,6 +132,7 @@ impl Service {
         server
             .status
             .say(Duration::ZERO, &format!("listening on {}", listener.local_addr()?));
+        server.tell_of_waiting();
         let mut ended = std::pin::pin!(ended);
         while !server.ended() {
             // The vehicle comes first, whatever its clients do; each client has at most one read waiting here.
@@ -124,6 +152,7 @@ impl Service {
                 },
                 Some(what) = heard.recv() => server.hear(what),
                 message = next(&mut inbox) => server.pass(message),
+                line = operator.next() => server.obey(&line),
                 () = server.wait() => {}
             }
         }
@@ -134,8 +163,9 @@ impl Service {
             _ => Ok(()),
         };
         server.tell_of_controller();
+        let clients = server.clients;
         let (vehicle, finished) = server.finish();
-        ended.and(finished).map(|()| vehicle)
+        ended.and(finished).map(|()| (vehicle, clients))
     }
 }
 
@@ -150,10 +180,7 @@ async fn next(inbox: &mut Option<Inbox>) -> Message {
 impl Server {
     /// The vehicle's time, never later than the next step.
     fn now(&mut self) -> Timestamp {
-        let now = match self.speed {
-            Speed::Times(times) => Timestamp::ZERO + self.clock.elapsed().mul_f64(times),
-            Speed::Max => self.at,
-        };
+        let now = self.vehicle_clock.now(self.at);
         let due = self.vehicle.poll_timeout().unwrap_or(now);
         let now = self.end.map_or(now, |end| now.min(end));
         self.at = self.at.max(now.min(due));
@@ -170,9 +197,9 @@ impl Server {
         let pings = self.controller.as_ref().and_then(Controller::next);
         match (self.vehicle.poll_timeout(), self.speed) {
             (Some(_), Speed::Max) if !self.held() => tokio::task::yield_now().await,
-            (Some(due), Speed::Times(times)) => {
+            (Some(due), Speed::Times(_)) => {
                 let due = [self.arrives(), pings].into_iter().flatten().fold(due, Timestamp::min);
-                let real = Timestamp::ZERO + Duration::from_nanos(due.as_nanos()).div_f64(times);
+                let real = self.vehicle_clock.real(due).unwrap_or(soon);
                 self.clock.sleep_until(real.min(soon)).await;
             }
             (_, Speed::Max) | (None, Speed::Times(_)) => {
@@ -181,10 +208,11 @@ impl Server {
         }
     }
 
-    /// Whether the vehicle waits for a client to read, or for its first client: nobody would see what it does before.
+    /// Whether the vehicle waits: for clients to connect, or at the greatest speed for one of them to read.
     fn held(&self) -> bool {
         let slow = |connection: &Connection| connection.peer.waiting() > WAITING_AT_MAX_SPEED;
-        self.speed == Speed::Max && (self.clients == 0 || self.connections.values().any(slow))
+        let stands = self.vehicle_clock.waits_for().is_some();
+        stands || self.speed == Speed::Max && self.connections.values().any(slow)
     }
 
     /// Takes all due steps, each at its own time, so that a late wake-up changes no result.
@@ -209,8 +237,8 @@ impl Server {
                 controller.truth(due, true_pose(&self.vehicle));
             }
             self.tell_of_controller();
-            if let Some(spectator) = &mut self.spectator {
-                spectator(&self.vehicle);
+            for spectator in &mut self.spectators {
+                spectator.step(&self.vehicle);
             }
             self.play_faults();
             self.flush();
@@ -246,6 +274,7 @@ impl Server {
                 }
                 self.collect(now);
                 self.flush();
+                self.count_connected();
             }
             Err(error) => self.tell(now, &format!("{client} disconnected: {error}")),
         }
@@ -316,6 +345,9 @@ impl Server {
             }
             self.sentences.0 += 1;
             self.status.command(client, line);
+            for spectator in &mut self.spectators {
+                spectator.received(line);
+            }
             self.vehicle.receive(now, client, line);
             self.collect(now);
         });
@@ -367,13 +399,20 @@ impl Server {
         }
         self.vehicle.disconnect(now, client);
         self.collect(now);
+        self.tell_of_waiting();
     }
 
     /// Takes the vehicle's output: bytes for its clients, disconnections and log events.
     fn collect(&mut self, now: Timestamp) {
         let real = self.clock.elapsed();
+        while let Some(fault) = self.vehicle.poll_link_fault() {
+            self.break_links(&fault);
+        }
         while let Some(event) = self.vehicle.poll_event() {
             self.status.event(real, &event);
+            for spectator in &mut self.spectators {
+                spectator.event(&event);
+            }
             if let Some(log) = &mut self.log {
                 log.event(event.at, &event.kind.to_string());
             }

@@ -1,20 +1,19 @@
-use std::io::IsTerminal;
 use std::time::Duration;
 
 use backseat_mvc::{Activity, Behavior, ClientId, Mvc, MvcEvent, MvcEventKind};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use tracing::{debug, info};
 
 use crate::events::Events;
+use crate::mvc::bar::Bar;
 
-/// How often the vehicle's state is shown, real time: on a terminal as a status line, else as a line of text.
+/// How often the vehicle's state is shown, real time: on a terminal as two status lines, else as a line of text.
 const REDRAW_EVERY: Duration = Duration::from_millis(250);
 const LINE_EVERY: Duration = Duration::from_secs(60);
 
 /// What the screen shows about the vehicle.
 pub(crate) struct Status {
     /// Present on a terminal.
-    bar: Option<ProgressBar>,
+    bar: Option<Bar>,
     next: Duration,
     behavior: Option<Behavior>,
     last_command: Option<String>,
@@ -24,13 +23,8 @@ pub(crate) struct Status {
 
 impl Status {
     pub(crate) fn new() -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(8));
-            bar.set_style(ProgressStyle::with_template("{wide_msg}\n{prefix}").expect("the template is valid"));
-            bar
-        });
         Self {
-            bar,
+            bar: Bar::start(),
             next: Duration::ZERO,
             behavior: None,
             last_command: None,
@@ -43,8 +37,11 @@ impl Status {
     pub(crate) fn quiet() -> Self {
         Self {
             bar: None,
+            next: Duration::ZERO,
+            behavior: None,
+            last_command: None,
+            events: Events::default(),
             quiet: true,
-            ..Self::new()
         }
     }
 
@@ -54,11 +51,19 @@ impl Status {
             debug!("vehicle: {text}");
             return;
         }
-        let bar = self.bar.as_ref();
-        self.events.show(now, text, |text| match bar {
-            Some(bar) => bar.suspend(|| info!("{text}")),
-            None => info!("{text}"),
-        });
+        self.events.show(now, text, |text| info!("{text}"));
+    }
+
+    /// Prints a line that the operator has asked for.
+    pub(crate) fn answer(&self, text: &str) {
+        info!("{text}");
+    }
+
+    /// Leaves a terminal to the operator, who has typed an empty line and will type a command; or takes it back.
+    pub(crate) fn prompt(&self, prompts: bool) {
+        if let Some(bar) = &self.bar {
+            bar.prompt(prompts);
+        }
     }
 
     pub(crate) fn event(&mut self, now: Duration, event: &MvcEvent) {
@@ -88,24 +93,26 @@ impl Status {
         if self.quiet || now < self.next {
             return;
         }
-        let (doing, place) = (self.doing(vehicle, clients), place(vehicle));
         match &self.bar {
             Some(bar) => {
                 self.next = now + REDRAW_EVERY;
-                bar.set_message(doing);
-                bar.set_prefix(place);
-                bar.tick();
+                bar.set(self.doing(vehicle, clients), place(vehicle));
             }
             None => {
                 self.next = now + LINE_EVERY;
-                info!("{doing} | {place}");
+                info!("{}", self.state(vehicle, clients));
             }
         }
     }
 
+    /// What the vehicle does and where it is, in one line.
+    pub(crate) fn state(&self, vehicle: &Mvc, clients: usize) -> String {
+        format!("{} | {}", self.doing(vehicle, clients), place(vehicle))
+    }
+
     pub(crate) fn end(&self) {
         if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
+            bar.end();
         }
     }
 

@@ -35,6 +35,8 @@ const LOG_FORGOTTEN: Duration = Duration::from_secs(30);
 const SENT_FORGOTTEN: Duration = Duration::from_secs(60);
 /// How many commands without an answer are remembered.
 const SENT_MAX: usize = 64;
+/// How many BPLOG without an answer are remembered: several subscriptions to everything.
+const LOGS_MAX: usize = 256;
 /// How long after the last good round trip we subscribe to acknowledgements again. After the third time we do so every
 /// 12 s.
 const SUBSCRIBE_AFTER: [Duration; 3] = [Duration::from_secs(3), Duration::from_secs(6), Duration::from_secs(12)];
@@ -170,8 +172,10 @@ impl Heartbeat {
             }
             None if command == name("LOG") && early => self.early_log = Some(now),
             None if command == name("LOG") => {
-                if self.logs.len() >= SENT_MAX {
+                if self.logs.len() >= LOGS_MAX {
                     self.logs.pop_front();
+                    // Its answer may still come, and each later answer would be taken for the answer to another BPLOG.
+                    self.quiet_until = self.quiet_until.max(now + LOG_FORGOTTEN);
                 }
                 // An answer does not say which BPLOG it answers. If one comes twice, the second is taken for the answer
                 // to the next BPLOG, and so on, until no BPLOG is under way.
@@ -537,6 +541,30 @@ mod tests {
         let heard = heartbeat.acknowledged(at(11_000), &log_answer(9500)).unwrap();
         assert_eq!(heard.trip.sent, at(8000));
         assert!(!heartbeat.is_heard(at(11_000)));
+    }
+
+    #[test]
+    fn sr_023_more_subscriptions_than_are_remembered_make_no_late_answer_look_prompt() {
+        for (sent, answered) in [(100, 64), (LOGS_MAX + 20, LOGS_MAX)] {
+            let mut heartbeat = connected();
+            heartbeat.left(at(0), name("LOG"), None, false);
+            heartbeat.acknowledged(at(10), &log_answer(9));
+            for millis in [1000, 2000, 3000, 4000] {
+                heartbeat.left(at(millis), name("STS"), Some(stamp(millis)), false);
+            }
+            assert!(heartbeat.needs_log(at(5000)), "BPLOG is the beat");
+            // On a link that takes 11 s, everything is subscribed again and again. The first answers come.
+            for _ in 0..sent {
+                heartbeat.left(at(5000), name("LOG"), None, false);
+            }
+            for written in 10_000..10_000 + answered as u64 {
+                heartbeat.acknowledged(at(16_000), &log_answer(written));
+            }
+            // The next answer belongs to a BPLOG of 11 s ago, and not to the one that has just been sent.
+            heartbeat.left(at(16_100), name("LOG"), None, false);
+            heartbeat.acknowledged(at(16_200), &log_answer(11_000));
+            assert!(!heartbeat.is_heard(at(16_200)), "{sent} subscriptions");
+        }
     }
 
     #[test]

@@ -4,9 +4,18 @@ use backseat_spi::BehaviorId;
 
 use super::client::ClientId;
 
-/// The status of the mission (SPI 6.11).
+/// The status of the mission (SPI 6.11). The section names the statuses without a word about what each means; this is
+/// how the mock uses them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
+    /// The vehicle's computer does not take missions yet.
+    Offline,
+    /// No dive is loaded.
+    Waiting,
+    /// The dive file that was loaded cannot be used.
+    InvalidDiveFile,
+    /// The wrapup file of the dive that was loaded cannot be used.
+    InvalidWrapupFile,
     /// Loaded, not started.
     Ready,
     /// Running.
@@ -28,6 +37,10 @@ impl Status {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Offline => "Offline",
+            Self::Waiting => "Waiting",
+            Self::InvalidDiveFile => "Invalid Dive File",
+            Self::InvalidWrapupFile => "Invalid Wrapup File",
             Self::Ready => "Ready",
             Self::Running => "Running",
             Self::WrappingUp => "WrappingUp",
@@ -35,6 +48,19 @@ impl Status {
             Self::Completed => "Completed",
             Self::Aborted => "Aborted",
             Self::Stopped => "Stopped",
+        }
+    }
+
+    /// Whether a dive can be loaded: none is, or the last one is over.
+    pub(crate) const fn is_free(self) -> bool {
+        match self {
+            Self::Waiting
+            | Self::InvalidDiveFile
+            | Self::InvalidWrapupFile
+            | Self::Completed
+            | Self::Aborted
+            | Self::Stopped => true,
+            Self::Offline | Self::Ready | Self::Running | Self::WrappingUp | Self::Aborting => false,
         }
     }
 }

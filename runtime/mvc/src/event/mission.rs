@@ -18,6 +18,8 @@ pub enum MissionEvent {
         /// The text.
         text: Text,
     },
+    /// A dive was loaded. The mission's status says whether it is ready.
+    DiveLoaded(Text),
     /// A GPS hit has its fix.
     GpsFix(BehaviorId),
     /// A GPS hit ended without a fix.
@@ -73,6 +75,7 @@ impl fmt::Display for MissionEvent {
                     Told::LoggingEnds => write!(f, "end of logging, to {role}: {text}"),
                 }
             }
+            Self::DiveLoaded(file) => write!(f, "dive {file} is loaded"),
             Self::GpsFix(id) => write!(f, "gps fix of insert {id}"),
             Self::NoGpsFix(id) => write!(f, "no gps fix of insert {id}: its time is over"),
             Self::Abort {

@@ -15,7 +15,15 @@ impl Mission {
     pub(crate) fn change_dive(&mut self, ctx: &mut Context<'_>, file: Text, reversed: bool) {
         let goes = match self.executive.status() {
             Status::Ready | Status::Running => !self.executive.is_empty_mission(),
-            Status::WrappingUp | Status::Aborting | Status::Completed | Status::Aborted | Status::Stopped => false,
+            Status::Offline
+            | Status::Waiting
+            | Status::InvalidDiveFile
+            | Status::InvalidWrapupFile
+            | Status::WrappingUp
+            | Status::Aborting
+            | Status::Completed
+            | Status::Aborted
+            | Status::Stopped => false,
         };
         if !goes {
             return;

@@ -67,7 +67,14 @@ impl Executive {
                 Ok(())
             }
             Status::WrappingUp | Status::Aborting => Err("the mission is already ending"),
-            Status::Ready | Status::Completed | Status::Aborted | Status::Stopped => Err(NO_MISSION),
+            Status::Offline
+            | Status::Waiting
+            | Status::InvalidDiveFile
+            | Status::InvalidWrapupFile
+            | Status::Ready
+            | Status::Completed
+            | Status::Aborted
+            | Status::Stopped => Err(NO_MISSION),
         }
     }
 
@@ -78,7 +85,14 @@ impl Executive {
                 self.finish(Status::Stopped, details);
                 Ok(())
             }
-            Status::Ready | Status::Completed | Status::Aborted | Status::Stopped => Err(NO_MISSION),
+            Status::Offline
+            | Status::Waiting
+            | Status::InvalidDiveFile
+            | Status::InvalidWrapupFile
+            | Status::Ready
+            | Status::Completed
+            | Status::Aborted
+            | Status::Stopped => Err(NO_MISSION),
         }
     }
 
@@ -86,8 +100,17 @@ impl Executive {
     pub(crate) fn start_empty(&mut self, now: Timestamp, at: EastNorth, most: Duration) -> Result<(), &'static str> {
         match self.status {
             Status::Running | Status::WrappingUp | Status::Aborting => return Err("a mission is running"),
-            Status::Ready | Status::Completed | Status::Aborted | Status::Stopped => {}
+            Status::Offline => return Err("the vehicle is offline"),
+            Status::Waiting
+            | Status::InvalidDiveFile
+            | Status::InvalidWrapupFile
+            | Status::Ready
+            | Status::Completed
+            | Status::Aborted
+            | Status::Stopped => {}
         }
+        self.released = true;
+        (self.starts_at, self.called_off_at) = (None, None);
         self.plan.clear();
         self.used.clear();
         self.empty = true;

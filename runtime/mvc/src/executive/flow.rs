@@ -132,6 +132,7 @@ impl Executive {
 
     /// Ends the mission or its wrap-up and sets its new status.
     pub(super) fn finish(&mut self, status: Status, details: &str) {
+        self.released = true;
         self.end_suspension();
         self.end_running(EndReason::MissionOver);
         self.paused.clear();

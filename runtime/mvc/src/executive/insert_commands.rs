@@ -122,7 +122,15 @@ impl Mission {
                     let count = self.send_plan(ctx, re.client);
                     ctx.acknowledge(re, AckStatus::Succeeded, &format!("{count} elements"));
                 }
-                Status::WrappingUp | Status::Aborting | Status::Completed | Status::Aborted | Status::Stopped => {
+                Status::Offline
+                | Status::Waiting
+                | Status::InvalidDiveFile
+                | Status::InvalidWrapupFile
+                | Status::WrappingUp
+                | Status::Aborting
+                | Status::Completed
+                | Status::Aborted
+                | Status::Stopped => {
                     ctx.acknowledge(re, AckStatus::Failed, "no mission is running");
                 }
             },

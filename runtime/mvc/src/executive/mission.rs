@@ -5,12 +5,14 @@ use backseat_units::{EastNorth, Timestamp};
 use backseat_world::Stream;
 
 use super::Executive;
+use super::dives::{Dives, LoadableDive, running};
 use super::schedule::Schedule;
 use crate::context::Context;
 use crate::event::{ClientId, Status};
 use crate::file::WorldFile;
 use crate::interpretation::Interpretation;
-use crate::plan::{GpsTimes, PlanItem};
+use crate::plan::GpsTimes;
+use crate::script::ControlOrder;
 use crate::truth::Activity;
 use crate::vehicle::{Drive, HoverDemand};
 
@@ -22,33 +24,47 @@ pub(crate) struct Mission {
     pub(super) dive_file: Text,
     /// The status text of BFMIS while the mission runs.
     pub(super) running: Text,
+    /// The same while an empty mission runs.
+    pub(super) running_empty: Text,
     pub(super) empty_allowed: bool,
     /// How long a GPS hit takes.
     pub(super) gps: GpsTimes,
     pub(super) schedule: Schedule,
+    pub(super) dives: Dives,
 }
 
 impl Mission {
     pub(crate) fn new(
         file: &WorldFile,
-        plan: Vec<PlanItem>,
+        dives: Vec<LoadableDive>,
         interpretation: Interpretation,
         period: Duration,
         seed: u64,
     ) -> Self {
         let config = &file.mission;
-        let running = format!("{} {}", Status::Running.name(), config.log_dir);
         let fix_s = config.gps_fix_s.draw(&mut Stream::new(seed, "gps fix"));
+        let mut dives = Dives::new(dives, file);
+        let status = dives.status_at_start();
+        let mut executive = Executive::new(config, &file.vehicle, interpretation, period, status);
+        let mut dive_file = Text::default();
+        if let Some(dive) = dives.loaded_from_the_start() {
+            dive_file = dive.file.clone();
+            executive.load(dive, Timestamp::ZERO);
+            // Nobody hears of what happened before the start.
+            executive.take_log();
+        }
         Self {
-            executive: Executive::new(plan, config, &file.vehicle, interpretation, period),
-            dive_file: Text::cleaned(&config.dive_file),
-            running: Text::cleaned(running.trim_end()),
+            executive,
+            dive_file,
+            running: running(&config.log_dir),
+            running_empty: running(&config.log_dir),
             empty_allowed: config.empty_allowed,
             gps: GpsTimes {
                 fix: Duration::from_secs_f64(fix_s),
                 within: Duration::from_secs_f64(config.gps_within_s),
             },
             schedule: Schedule::new(&config.commands),
+            dives,
         }
     }
 
@@ -67,6 +83,7 @@ impl Mission {
 
     /// One step of the vehicle. Returns what moves it now.
     pub(crate) fn step(&mut self, ctx: &Context<'_>) -> Drive {
+        self.step_dives(ctx.now);
         self.executive.tick(ctx.now, &ctx.estimate, ctx.north.frame_deg)
     }
 
@@ -82,6 +99,11 @@ impl Mission {
     /// Whether control is withheld though the plan allows it; the next step acts on it.
     pub(crate) const fn deny_control(&mut self, denied: bool) {
         self.executive.deny_control(denied);
+    }
+
+    /// What decides about control from now on; the next step acts on it.
+    pub(crate) const fn order_control(&mut self, order: ControlOrder) {
+        self.executive.order_control(order);
     }
 
     /// The vehicle ends a mission that is running or waiting to start.

@@ -118,16 +118,22 @@ impl Mission {
 
     fn status_message(&self, ctx: &Context<'_>, status: Status, details: &str) -> FromVehicle {
         let text = match status {
+            Status::Running if self.executive.is_empty_mission() => self.running_empty.clone(),
             Status::Running => self.running.clone(),
-            Status::Ready
+            Status::Offline
+            | Status::Waiting
+            | Status::InvalidDiveFile
+            | Status::InvalidWrapupFile
+            | Status::Ready
             | Status::WrappingUp
             | Status::Aborting
             | Status::Completed
             | Status::Aborted
             | Status::Stopped => Text::cleaned(status.name()),
         };
-        // An empty mission has no dive file.
-        let dive_file = if self.executive.is_empty_mission() {
+        // An empty mission has no dive file, and neither has a vehicle before its first dive.
+        let none = matches!(status, Status::Offline | Status::Waiting);
+        let dive_file = if none || self.executive.is_empty_mission() {
             Text::default()
         } else {
             self.dive_file.clone()

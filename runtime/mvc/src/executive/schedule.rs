@@ -24,6 +24,11 @@ impl Schedule {
         }
     }
 
+    /// For another mission.
+    pub(super) const fn begin_again(&mut self) {
+        (self.next, self.started) = (0, None);
+    }
+
     pub(super) fn due(&mut self, now: Timestamp) -> Option<&MissionCommandConfig> {
         let started = *self.started.get_or_insert(now);
         let command = self.commands.get(self.next)?;

@@ -5,7 +5,7 @@ use backseat_units::{EastNorth, Timestamp};
 
 use super::{Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, Sensor, SensorFailure, Untrue};
 use crate::error::MvcError;
-use crate::file::FaultFile;
+use crate::file::{FAULTS_MAX, FaultFile};
 
 /// The faults of a run, and when they begin and end.
 #[derive(Debug, Default)]
@@ -103,6 +103,11 @@ impl Timeline {
     /// The faults that act now, by their place in the plan.
     pub(crate) fn acting(&self) -> impl Iterator<Item = usize> + use<> {
         self.acting.clone().into_iter()
+    }
+
+    /// Whether no fault may be added by an order.
+    pub(crate) const fn is_full(&self) -> bool {
+        self.plan.len() >= FAULTS_MAX
     }
 
     /// Adds a fault that begins now, and returns its place in the plan. If the fault has a duration, its end is added

@@ -9,8 +9,10 @@ use crate::error::MvcError;
 use crate::faults::Sensor;
 use crate::faults::{AckStage, Directions, FaultPlan};
 
+pub(super) use typed::{LONGEST_S, is_command};
+
 /// The most faults that a plan may have.
-const FAULTS_MAX: usize = 100_000;
+pub(crate) const FAULTS_MAX: usize = 100_000;
 
 /// The `[faults]` section of `world.toml`, or a whole file of faults, as it is written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -24,8 +26,9 @@ pub struct FaultFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FaultEntry {
-    /// When it begins, seconds after the start.
-    pub at_s: f64,
+    /// When it begins, seconds after the start. A fault of a plan needs it; that of a rule or of the operator has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_s: Option<f64>,
     /// What goes wrong.
     pub kind: FaultName,
     /// How long it lasts, seconds. Without it, a `link_cut`, a `navigation_jump` and a `clock_step` are instantaneous;

@@ -1,3 +1,5 @@
+mod answers;
+
 use core::fmt;
 use core::marker::PhantomData;
 
@@ -5,6 +7,8 @@ use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::error::{MvcError, check};
+
+pub use answers::{AllTopics, BrokenLine, CtdPressure, UnknownCommand};
 
 /// The `[interpretation]` section: how the vehicle reads what the specification leaves open. Each key is one reading,
 /// or `"seed"`: then each seed draws a reading, so that no plugin comes to depend on one.
@@ -68,6 +72,16 @@ pub struct InterpretationConfig {
     pub echo_decimals: Choice<f64>,
     /// Which layout of BPRTC the vehicle reads (SPI 7.6: the header has no entry angle, the table has one).
     pub trackcircle_layout: TrackcircleLayout,
+    /// How the vehicle answers a command whose name it does not know (SPI 6.21: "Name of payload command being
+    /// acknowledged", but recorded vehicles write `NAK`).
+    pub unknown_command: UnknownCommand,
+    /// How the vehicle answers a line that is no sentence: without `$`, or without a name after it (SPI 6.21 speaks only
+    /// of commands; recorded vehicles answer). A sentence with a wrong checksum gets no answer.
+    pub broken_line: BrokenLine,
+    /// What the pressure of BFCTD and BPCTD counts from (SPI 6.16 and 7.15 do not say). BFRDP is always absolute.
+    pub ctd_pressure: CtdPressure,
+    /// Which messages `BPLOG,ALL` switches (SPI 7.1: all but BFACK).
+    pub all_topics: AllTopics,
 }
 
 /// Which commands the vehicle acknowledges.
@@ -317,6 +331,10 @@ impl Default for InterpretationConfig {
             acknowledged: Acknowledged::default(),
             echo_decimals: Choice::Fixed(3.0),
             trackcircle_layout: TrackcircleLayout::default(),
+            unknown_command: UnknownCommand::default(),
+            broken_line: BrokenLine::default(),
+            ctd_pressure: CtdPressure::default(),
+            all_topics: AllTopics::default(),
         }
     }
 }

@@ -8,7 +8,11 @@ use crate::file::MissionCommandConfig;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MissionConfig {
-    /// When the mission starts, counted from the start of the run, seconds, 0 to 86400.
+    /// When the vehicle's computer begins to take missions, counted from the start of the run, seconds, 0 to 86400. BFMIS
+    /// reports `Offline` until then.
+    pub online_after_s: f64,
+    /// When the mission starts, counted from the start of the run, seconds, 0 to 86400. With `[[dive]]` each dive says
+    /// when it starts.
     pub starts_after_s: f64,
     /// The name of the dive file, as BFMIS, BFMBS and BFMBE give it.
     pub dive_file: String,
@@ -80,6 +84,7 @@ pub enum ModifyLimit {
 impl Default for MissionConfig {
     fn default() -> Self {
         Self {
+            online_after_s: 0.0,
             starts_after_s: 10.0,
             dive_file: "survey.dive".to_owned(),
             log_dir: "/logs/survey".to_owned(),
@@ -101,6 +106,13 @@ impl Default for MissionConfig {
 
 impl MissionConfig {
     pub(crate) fn validate(&self) -> Result<(), MvcError> {
+        let online = self.online_after_s;
+        check(
+            (0.0..=86_400.0).contains(&online),
+            "mission.online_after_s",
+            online,
+            "0 to 86400 s",
+        )?;
         let starts = self.starts_after_s;
         check(
             (0.0..=86_400.0).contains(&starts),

@@ -24,6 +24,21 @@ pub struct SpiConfig {
     pub roles: Vec<RoleConfig>,
     /// What happens to a client whose address has no role, if there are roles.
     pub without_role: WithoutRole,
+    /// The text of an acknowledgement of success that has nothing else to say, at most 100 characters.
+    pub acknowledge_text: String,
+    /// What ends each of the vehicle's sentences.
+    pub line_end: LineEnd,
+}
+
+/// What ends each of the vehicle's sentences.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LineEnd {
+    /// Carriage return and line feed (SPI 4.2).
+    #[default]
+    Crlf,
+    /// The same and another line feed, which makes a blank line after each sentence, as vehicles in the field do.
+    CrlfLf,
 }
 
 /// What the vehicle sends to a new client before it asks for anything.
@@ -58,6 +73,8 @@ impl Default for SpiConfig {
             clients_max: 16,
             roles: Vec::new(),
             without_role: WithoutRole::Refuse,
+            acknowledge_text: String::new(),
+            line_end: LineEnd::Crlf,
         }
     }
 }
@@ -80,13 +97,24 @@ impl SpiConfig {
         for role in &self.roles {
             role.validate()?;
         }
-        if backseat_spi::Text::new(&self.version).is_err() || self.version.len() > 40 {
-            let expected = "at most 40 printable ascii characters without comma, asterisk and dollar";
-            return Err(MvcError::Value {
-                key: "spi.version",
-                value: format!("{:?}", self.version),
-                expected,
-            });
+        for (key, text, most, expected) in [
+            (
+                "spi.version",
+                &self.version,
+                40,
+                "at most 40 printable ascii characters without comma, asterisk and dollar",
+            ),
+            (
+                "spi.acknowledge_text",
+                &self.acknowledge_text,
+                100,
+                "at most 100 printable ascii characters without comma, asterisk and dollar",
+            ),
+        ] {
+            if backseat_spi::Text::new(text).is_err() || text.len() > most {
+                let value = format!("{text:?}");
+                return Err(MvcError::Value { key, value, expected });
+            }
         }
         Ok(())
     }

@@ -13,6 +13,9 @@ pub struct StartConfig {
     /// UTC at the start of the run, a TOML date-time with an offset: `2026-06-01T08:00:00Z`.
     #[serde(deserialize_with = "utc")]
     pub utc: Utc,
+    /// How far the vehicle's own clock is ahead of that, seconds, within a day. Its sentences carry its own clock.
+    #[serde(default)]
+    pub clock_ahead_s: f64,
     /// Where the vehicle is, metres east of the origin.
     #[serde(default)]
     pub east_m: f64,
@@ -29,6 +32,12 @@ pub struct StartConfig {
 
 impl StartConfig {
     pub(crate) fn validate(&self) -> Result<(), MvcError> {
+        check(
+            self.clock_ahead_s.abs() <= 86_400.0,
+            "start.clock_ahead_s",
+            self.clock_ahead_s,
+            "within 86400 s",
+        )?;
         check(
             self.east_m.abs() <= 50_000.0,
             "start.east_m",

@@ -28,7 +28,7 @@ impl Mvc {
         } = self.parts(now);
         let ctx = &mut ctx;
         match command {
-            ToVehicle::Unknown(unknown) => ctx.server.no_command(now, re, unknown.name()),
+            ToVehicle::Unknown(unknown) => ctx.server.no_command(now, re, &unknown),
             ToVehicle::LoggingControl(request) => {
                 let topics = ctx.server.switch(now, re, request.message, request.on);
                 if ctx.interpretation.control_replay {

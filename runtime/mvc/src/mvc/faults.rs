@@ -32,13 +32,19 @@ impl Mvc {
     /// [`crate::LinkFaults::inject`] and [`crate::FaultyLink::inject`].
     pub fn inject(&mut self, now: Timestamp, fault: Fault) {
         self.handle_timeout(now);
+        self.begin_now(now, fault);
+        self.settle(now);
+        self.fire(now);
+    }
+
+    /// Begins a fault that is not in the plan.
+    pub(super) fn begin_now(&mut self, now: Timestamp, fault: Fault) {
         let instant = fault.lasts.is_zero();
         let index = self.faults.inject(now, fault);
         self.fault(now, index, FaultEdge::Begin);
         if instant {
             self.fault(now, index, FaultEdge::End);
         }
-        self.settle(now);
     }
 
     /// Carries out every begin and end of a fault that is due at `at`, and sends the acknowledgements that a fault has

@@ -15,10 +15,10 @@ const EVERY_CHARTED_M: f64 = 2.0;
 const PLACES_MAX: f64 = 1e6;
 
 /// Refuses a plan that leads through water that is too shallow, or off the grid. [`crate::Mvc::with_grid`] documents
-/// the rules.
+/// the rules. `start` is where the vehicle begins, if that is known.
 pub(crate) fn check(
     plan: &[PlanItem],
-    start: EastNorth,
+    start: Option<EastNorth>,
     world: &World,
     altitude_min_m: f64,
     charted: bool,
@@ -132,11 +132,11 @@ impl Path {
 /// much of it is flown.
 fn along(
     plan: &[PlanItem],
-    start: EastNorth,
+    start: Option<EastNorth>,
     show: &mut dyn FnMut(&PlanItem, Path) -> Result<(), MvcError>,
 ) -> Result<(), MvcError> {
     // Where the item before ends; `None` after a setpoint.
-    let mut at = Some(start);
+    let mut at = start;
     for item in plan {
         let (entry, path, end) = match item.shape.with_leads(item.lead_m) {
             Shape::Waypoint { to } => (to, None, to),

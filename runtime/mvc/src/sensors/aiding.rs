@@ -12,6 +12,8 @@ const FIX_ERROR_MAX_M: f64 = 100_000.0;
 const CONDUCTIVITY_US_PER_CM: core::ops::RangeInclusive<f64> = 0.0..=100_000.0;
 const TEMPERATURE_C: core::ops::RangeInclusive<f64> = -5.0..=50.0;
 const PRESSURE_KPA: core::ops::RangeInclusive<f64> = 0.0..=150_000.0;
+/// The same where the pressure counts from the atmosphere's.
+const GAUGE_PRESSURE_KPA: core::ops::RangeInclusive<f64> = -100.0..=150_000.0;
 
 /// Measurements that a payload makes for the vehicle: fixes and CTD data (SPI 7.15, 7.21).
 impl Sensors {
@@ -47,6 +49,11 @@ impl Sensors {
 
     /// BPCTD: the data is logged, and used for the speed of sound.
     pub(crate) fn payload_ctd(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &PayloadCtd) {
+        let (pressure_kpa, expected_kpa) = if ctx.interpretation.ctd_pressure_is_gauge {
+            (GAUGE_PRESSURE_KPA, "-100 to 150000 kPa")
+        } else {
+            (PRESSURE_KPA, "0 to 150000 kPa")
+        };
         for (what, value, range, expected) in [
             (
                 "conductivity",
@@ -55,7 +62,7 @@ impl Sensors {
                 "0 to 100000 uS/cm",
             ),
             ("temperature", request.temperature_c, TEMPERATURE_C, "-5 to 50 degC"),
-            ("pressure", request.pressure_kpa, PRESSURE_KPA, "0 to 150000 kPa"),
+            ("pressure", request.pressure_kpa, pressure_kpa, expected_kpa),
         ] {
             if !range.contains(&value) {
                 return ctx.invalid(re, &format!("{what} {value}: expected {expected}"));

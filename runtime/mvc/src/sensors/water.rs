@@ -24,6 +24,8 @@ pub(super) struct Water {
     conductivity_bias_us_per_cm: f64,
     ctd_pressure_bias_kpa: f64,
     depth_bias_kpa: f64,
+    /// What the pressure of BFCTD and BPCTD counts from, absolute, kilopascals.
+    ctd_pressure_from_kpa: f64,
     sound_bias_mps: f64,
     /// Speed of sound from the payload's newest CTD data, and until when it is used.
     by_payload: Option<(f64, Timestamp)>,
@@ -32,7 +34,7 @@ pub(super) struct Water {
 }
 
 impl Water {
-    pub(super) fn new(config: &SensorConfig, seed: u64) -> Self {
+    pub(super) fn new(config: &SensorConfig, ctd_pressure_is_gauge: bool, seed: u64) -> Self {
         let mut ctd = Noise::new(seed, "ctd bias").reading(0);
         Self {
             config: *config,
@@ -45,6 +47,7 @@ impl Water {
             depth_bias_kpa: Noise::new(seed, "depth sensor bias")
                 .reading(0)
                 .normal(config.depth.bias_kpa),
+            ctd_pressure_from_kpa: if ctd_pressure_is_gauge { AIR_KPA } else { 0.0 },
             sound_bias_mps: Noise::new(seed, "sound velocity bias")
                 .reading(0)
                 .normal(config.sound.bias_mps),
@@ -59,8 +62,7 @@ impl Water {
         self.depth_bias_kpa / WATER_KPA_PER_M
     }
 
-    /// BFRDP (SPI 6.6), with the reading of this number. The pressure is absolute, with that of the atmosphere, as in
-    /// BFCTD.
+    /// BFRDP (SPI 6.6), with the reading of this number. The pressure is absolute, with that of the atmosphere.
     pub(super) fn depth_sensor(&self, vehicle: &Vehicle, world: &World, number: u64, stamp: TimeOfDay) -> DepthSensor {
         let noise_kpa = self.pressure.reading(number).normal(self.config.depth.noise_kpa);
         DepthSensor {
@@ -79,7 +81,7 @@ impl Water {
             created: stamp,
             conductivity_us_per_cm: conductivity.max(0.0),
             temperature_c: temperature_c + draws.normal(config.temperature_noise_c),
-            pressure_kpa: pressure_kpa + draws.normal(config.pressure_noise_kpa),
+            pressure_kpa: pressure_kpa - self.ctd_pressure_from_kpa + draws.normal(config.pressure_noise_kpa),
             measured: stamp,
         }
     }
@@ -95,7 +97,8 @@ impl Water {
 
     /// Takes a payload's measurement of the water (SPI 7.15).
     pub(super) fn heed(&mut self, now: Timestamp, data: &PayloadCtd) {
-        let speed_mps = sound_speed_by_ctd_mps(data.conductivity_us_per_cm, data.temperature_c, data.pressure_kpa);
+        let pressure_kpa = data.pressure_kpa + self.ctd_pressure_from_kpa;
+        let speed_mps = sound_speed_by_ctd_mps(data.conductivity_us_per_cm, data.temperature_c, pressure_kpa);
         let until = now + Duration::from_secs_f64(self.config.sound.payload_data_for_s);
         self.by_payload = Some((speed_mps, until));
     }

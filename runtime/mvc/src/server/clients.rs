@@ -6,7 +6,7 @@ use backseat_spi::{CommandName, FrameCounts, Framer, FromVehicle, Policy, Senten
 use backseat_units::Timestamp;
 
 use crate::event::{ClientId, DropReason};
-use crate::file::SpiConfig;
+use crate::file::{LineEnd, SpiConfig};
 use crate::server::roles::{Roles, Seat};
 use crate::server::topics::Topic;
 
@@ -21,6 +21,16 @@ pub(crate) enum Received {
     Malformed(CommandName, Text),
 }
 
+impl Received {
+    /// The command's name; [`CommandName::NAK`] for a sentence that is no command.
+    pub(crate) fn name(&self) -> CommandName {
+        match self {
+            Self::Command(command) => CommandName::new(command.name()).unwrap_or(CommandName::NAK),
+            Self::Malformed(name, _) => *name,
+        }
+    }
+}
+
 #[derive(Debug)]
 struct Client {
     id: ClientId,
@@ -32,6 +42,8 @@ struct Client {
     /// The framer's counts at the last log line about invalid input, and when the next line may come.
     told: FrameCounts,
     tell_from: Timestamp,
+    /// The framer's counts at the end of the last line.
+    line: FrameCounts,
 }
 
 /// The log has at most one line about a client's invalid input in this time.
@@ -59,6 +71,7 @@ pub(crate) struct Clients {
     topics: u32,
     /// Where the next search for something to send begins, so that each client has its turn.
     turn: usize,
+    line_end: LineEnd,
     scratch: Vec<u8>,
 }
 
@@ -72,6 +85,7 @@ impl Clients {
             dropped: VecDeque::new(),
             topics: 0,
             turn: 0,
+            line_end: config.line_end,
             scratch: Vec::with_capacity(512),
         }
     }
@@ -101,6 +115,7 @@ impl Clients {
             out: Vec::new(),
             told: FrameCounts::default(),
             tell_from: Timestamp::ZERO,
+            line: FrameCounts::default(),
         });
         self.topics |= topics;
         true
@@ -174,6 +189,17 @@ impl Clients {
         })
     }
 
+    /// Call it after a client has ended a line and its sentence has been taken. Returns whether the line was not one: it
+    /// has no `$`, or no name after it. A sentence with a wrong checksum is one.
+    pub(crate) fn ends_broken_line(&mut self, id: ClientId) -> bool {
+        let Some(client) = self.client(id) else { return false };
+        let (counts, before) = (client.framer.counts(), client.line);
+        client.line = counts;
+        let outside = |counts: FrameCounts| counts.noise_bytes + counts.malformed + counts.not_utf8 + counts.too_long;
+        let sentences = |counts: FrameCounts| counts.sentences + counts.checksum_invalid;
+        outside(counts) > outside(before) && sentences(counts) == sentences(before)
+    }
+
     /// The invalid input of a client since the last line about it, in words; at most one line a second.
     pub(crate) fn ignored(&mut self, now: Timestamp, id: ClientId) -> Option<Text> {
         let client = self.client(id)?;
@@ -223,8 +249,12 @@ impl Clients {
 
     /// Sends a message to one client. An error is the name of a message that cannot be encoded.
     pub(crate) fn send(&mut self, id: ClientId, message: &FromVehicle) -> Result<(), Box<str>> {
+        let line_end = self.line_end;
         let Some(client) = self.client(id) else { return Ok(()) };
         let encoded = message.encode(&mut client.out).map_err(|_| Box::from(message.name()));
+        if encoded.is_ok() {
+            end_line(&mut client.out, line_end);
+        }
         if client.out.len() > BACKLOG_MAX {
             self.cut_off(id, DropReason::Backlog);
         }
@@ -237,6 +267,7 @@ impl Clients {
         message
             .encode(&mut self.scratch)
             .map_err(|_| Box::from(message.name()))?;
+        end_line(&mut self.scratch, self.line_end);
         let mut full = Vec::new();
         for client in &mut self.clients {
             if topic.is_none_or(|topic| client.topics & topic.bit() != 0) {
@@ -269,6 +300,14 @@ impl Clients {
 
     fn client(&mut self, id: ClientId) -> Option<&mut Client> {
         self.clients.iter_mut().find(|client| client.id == id)
+    }
+}
+
+/// Adds what the vehicle sends after the end of a sentence.
+fn end_line(out: &mut Vec<u8>, line_end: LineEnd) {
+    match line_end {
+        LineEnd::Crlf => {}
+        LineEnd::CrlfLf => out.push(b'\n'),
     }
 }
 

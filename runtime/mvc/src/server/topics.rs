@@ -52,6 +52,9 @@ impl Topic {
 
 const ALL: u32 = ((1 << TOPICS.len()) - 1) & !Topic::Acknowledgement.bit();
 
+/// What a recorded vehicle sent after `BPLOG,ALL,ON`, besides BFVER, which is always on.
+const NAVIGATION: u32 = Topic::Navigation.bit() | Topic::Velocity.bit() | Topic::Acknowledgement.bit();
+
 /// What the first field of BPLOG names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Named {
@@ -60,9 +63,10 @@ pub(crate) enum Named {
     Unknown,
 }
 
-pub(crate) fn named(message: &str) -> Named {
+/// `all_is_navigation`: which messages `ALL` is.
+pub(crate) fn named(message: &str, all_is_navigation: bool) -> Named {
     if message == "ALL" {
-        return Named::Topics(ALL);
+        return Named::Topics(if all_is_navigation { NAVIGATION } else { ALL });
     }
     match TOPICS.iter().position(|name| *name == message) {
         Some(bit) => Named::Topics(1 << bit),

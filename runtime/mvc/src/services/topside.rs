@@ -84,7 +84,7 @@ impl Topside {
     pub(crate) fn step(&mut self, ctx: &mut Context<'_>) {
         while self.incoming.front().is_some_and(|(at, _)| *at <= ctx.now) {
             if let Some((_, entry)) = self.incoming.pop_front() {
-                self.hear(ctx, entry);
+                self.hear(ctx, entry.transport, Text::cleaned(&entry.text), entry.role);
             }
         }
         if self.outgoing.is_empty() || ctx.now < self.delivered_at {
@@ -103,20 +103,15 @@ impl Topside {
         }
     }
 
-    /// BFTOP (SPI 5.5).
-    fn hear(&mut self, ctx: &mut Context<'_>, entry: TopsideEntry) {
-        let text = Text::cleaned(&entry.text);
+    /// BFTOP (SPI 5.5): a message comes from the topside, for the client with a role, or for every client.
+    pub(crate) fn hear(&mut self, ctx: &mut Context<'_>, transport: Transport, text: Text, role: Option<String>) {
         let message = TopsideMessage {
             created: ctx.stamp(),
-            transport: entry.transport,
+            transport,
             text: text.clone(),
         };
-        ctx.server.order(ctx.now, entry.role.as_deref(), &message.into());
-        let role = entry.role.map(String::into_boxed_str);
-        ctx.note(MvcEventKind::Topside(TopsideEvent::Received(
-            entry.transport,
-            role,
-            text,
-        )));
+        ctx.server.order(ctx.now, role.as_deref(), &message.into());
+        let role = role.map(String::into_boxed_str);
+        ctx.note(MvcEventKind::Topside(TopsideEvent::Received(transport, role, text)));
     }
 }

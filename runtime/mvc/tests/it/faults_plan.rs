@@ -295,7 +295,10 @@ fn an_error_in_a_fault_names_its_number_its_key_and_what_was_expected() {
             "at_s = 1; kind = \"stall\"; for = 1",
             "line 8, column 1: unknown field `for`",
         ),
-        ("kind = \"stall\"; for_s = 1", "line 5, column 1: missing field `at_s`"),
+        (
+            "kind = \"stall\"; for_s = 1",
+            "fault 2: a fault of kind stall needs `at_s`",
+        ),
     ] {
         let text = format!("{good}[[fault]]\n{}", fault.replace("; ", "\n"));
         let error = FaultPlan::from_toml(&text).unwrap_err().to_string();

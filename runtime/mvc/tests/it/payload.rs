@@ -11,6 +11,8 @@ pub(crate) struct Payload {
     pub(crate) now: Timestamp,
     pub(crate) events: Vec<MvcEvent>,
     pub(crate) cut_off: Vec<ClientId>,
+    /// How many sentences a blank line followed.
+    pub(crate) blank_lines: usize,
     lines: BTreeMap<ClientId, Vec<String>>,
     out: Vec<u8>,
 }
@@ -30,6 +32,7 @@ impl Payload {
             now: Timestamp::ZERO,
             events: Vec::new(),
             cut_off: Vec::new(),
+            blank_lines: 0,
             lines: BTreeMap::new(),
             out: Vec::new(),
         }
@@ -66,6 +69,13 @@ impl Payload {
     pub(crate) fn bytes(&mut self, client: ClientId, bytes: &[u8]) {
         self.mvc.receive(self.now, client, bytes);
         self.drain();
+    }
+
+    /// Lets the vehicle's operator act.
+    pub(crate) fn operate<T>(&mut self, act: impl FnOnce(&mut Mvc, Timestamp) -> T) -> T {
+        let done = act(&mut self.mvc, self.now);
+        self.drain();
+        done
     }
 
     /// Lets the time pass until this many seconds after the start.
@@ -123,6 +133,8 @@ impl Payload {
     fn drain(&mut self) {
         while let Some(client) = self.mvc.poll_transmit(&mut self.out) {
             let text = std::str::from_utf8(&self.out).expect("sentences are ascii");
+            self.blank_lines += text.matches("\r\n\n").count();
+            let text = text.replace("\r\n\n", "\r\n");
             assert!(text.ends_with("\r\n"), "{text:?}");
             for line in text.split_terminator("\r\n") {
                 self.lines.entry(client).or_default().push(checked(line));

@@ -2,15 +2,18 @@
 
 mod command_messages;
 mod communications;
+mod dives;
 mod hovering;
+mod readings;
 mod requests;
 mod session;
 mod status_messages;
 
 use std::collections::BTreeSet;
 
-use backseat_mvc::Truth;
+use backseat_mvc::{DiveError, Mvc, Truth};
 use backseat_spi::catalogue;
+use backseat_units::Timestamp;
 
 use crate::files::CALM;
 use crate::hovering::HARBOUR;
@@ -42,6 +45,8 @@ pub(crate) enum World {
 pub(crate) enum Step {
     /// The time passes until this many seconds after the start.
     Until(f64),
+    /// The vehicle's operator does this, and it is not refused.
+    Operate(&'static str, fn(&mut Mvc, Timestamp) -> Result<(), DiveError>),
     /// The client sends this.
     Say(&'static str),
     /// The vehicle has sent a sentence that begins like this, after the one that was found last.
@@ -64,6 +69,8 @@ fn sections() -> impl Iterator<Item = &'static Section> {
         .chain(requests::SECTIONS)
         .chain(hovering::SECTIONS)
         .chain(communications::SECTIONS)
+        .chain(dives::SECTIONS)
+        .chain(readings::SECTIONS)
 }
 
 fn world(of: &World) -> String {
@@ -111,6 +118,7 @@ fn talk(section: &Section) -> Result<(), String> {
                 payload.until(*seconds);
                 true
             }
+            Step::Operate(_, act) => payload.operate(act).is_ok(),
             Step::Say(sentence) => {
                 payload.say(sentence);
                 true
@@ -134,6 +142,7 @@ fn talk(section: &Section) -> Result<(), String> {
             let what = match step {
                 Step::Hear(begin) => format!("no {begin} among {heard:#?}"),
                 Step::Never(begin) => format!("{begin} among {heard:#?}"),
+                Step::Operate(what, _) => format!("refused: {what}: {:?}", payload.mvc.mission_status()),
                 Step::Is(what, _) | Step::Becomes(_, what, _) => format!("not: {what}: {:?}", payload.mvc.truth()),
                 Step::Until(_) | Step::Say(_) | Step::Forget => String::new(),
             };

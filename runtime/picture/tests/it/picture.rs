@@ -1,6 +1,8 @@
 //! A picture shows the values that it is given, whatever they are, and is the same each time.
 
-use backseat_picture::{Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render};
+use backseat_picture::{
+    Extent, Palette, Payload, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render,
+};
 use backseat_units::EastNorth;
 use backseat_units::math::{exp, sin};
 
@@ -146,6 +148,7 @@ fn survey() -> Picture {
         rejected: refused,
         lease_begins: vec![at(-250.0, 480.0)],
         lease_ends: vec![lease_end],
+        payload: Payload::Plugin,
     }
 }
 

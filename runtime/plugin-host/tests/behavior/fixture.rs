@@ -3,10 +3,10 @@ use std::sync::{Arc, OnceLock};
 use backseat_core::plugin::{FaultKind, Judge, ModifyRequest, NavigationSample, Refusal, Request, Returned, StepInput};
 use backseat_core::refusal::ZoneRule;
 use backseat_core::refusal::{EdgePlace, ZoneBreach};
-use backseat_plugin_host::{Budget, Component, Host, Plugin};
+use backseat_plugin_host::{Budget, Cache, Component, Host, Plugin};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 
-/// The components, built once for all tests.
+/// The components, compiled once for all tests.
 pub(crate) struct Components {
     pub(crate) host: Host,
     pub(crate) echo: Component,
@@ -19,7 +19,8 @@ pub(crate) fn components() -> &'static Components {
     static COMPONENTS: OnceLock<Components> = OnceLock::new();
     COMPONENTS.get_or_init(|| {
         let read = |name: &str| std::fs::read(backseat_test_support::plugins().join(name)).unwrap();
-        let host = Host::new().unwrap();
+        let cache = Cache::new(backseat_test_support::cache(), |_| {});
+        let host = Host::new().unwrap().with_cache(Some(cache));
         let faulty = host.load("faulty", &read("faulty.wasm")).unwrap();
         let template_bytes = read("template.wasm");
         let template = host.load("template", &template_bytes).unwrap();

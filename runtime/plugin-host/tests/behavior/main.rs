@@ -7,6 +7,7 @@
 
 mod admission;
 mod bounds;
+mod cache;
 mod determinism;
 mod faults;
 mod fixture;

@@ -6,4 +6,5 @@ mod fence;
 mod held;
 mod mission;
 mod pages;
+mod script;
 mod world;

@@ -114,6 +114,9 @@ impl Simulation {
     }
 
     pub(super) fn drain_mvc(&mut self) -> Result<(), SimError> {
+        while let Some(fault) = self.mvc.poll_link_fault() {
+            self.break_link(&fault);
+        }
         let mut buffer = std::mem::take(&mut self.scratch);
         while self.mvc.poll_transmit(&mut buffer).is_some() {
             self.digest.write(Direction::FromVehicle, self.now, &buffer);

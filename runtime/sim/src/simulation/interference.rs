@@ -25,17 +25,22 @@ impl Simulation {
     pub fn inject(&mut self, fault: Fault) {
         let fault = Fault { at: self.now, ..fault };
         if let FaultKind::Link(_) = fault.kind {
-            if self.connected {
-                let (faults, now, client) = (&self.faults, self.now, self.client);
-                let link = |way| move || faults.link(now, client, None, way);
-                self.to_vehicle.inject(&fault, link(Way::ToVehicle));
-                self.to_payload.inject(&fault, link(Way::FromVehicle));
-            }
-            self.faults.inject(&fault);
+            self.break_link(&fault);
         }
         self.mvc.inject(self.now, fault);
         let told = self.look().and_then(|()| self.drain_mvc());
         self.or_later(told);
+    }
+
+    /// Begins a fault of the link, on the connection that is open and on those to come.
+    pub(super) fn break_link(&mut self, fault: &Fault) {
+        if self.connected {
+            let (faults, now, client) = (&self.faults, self.now, self.client);
+            let link = |way| move || faults.link(now, client, None, way);
+            self.to_vehicle.inject(fault, link(Way::ToVehicle));
+            self.to_payload.inject(fault, link(Way::FromVehicle));
+        }
+        self.faults.inject(fault);
     }
 
     /// Kills the runtime's process now, without a last message: the operating system resets its connection. After

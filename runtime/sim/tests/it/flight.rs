@@ -10,7 +10,7 @@ use backseat_core::plugin::PluginId;
 use backseat_mission::{Layers, Mission, PluginTable};
 use backseat_mvc::Activity;
 use backseat_oracle::Violation;
-use backseat_plugin_host::{Host, Plugin};
+use backseat_plugin_host::{Cache, Host, Plugin};
 use backseat_plugin_loader::{Components, Loaded};
 use backseat_scenario::Scenario;
 use backseat_sim::{Report, Simulation, Step, Trace};
@@ -29,7 +29,8 @@ fn hangar() -> &'static Hangar {
     HANGAR.get_or_init(|| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/pair");
         let mission = Mission::load(&folder, &Layers::default()).unwrap();
-        let host = Host::new().unwrap();
+        let cache = Cache::new(backseat_test_support::cache(), |_| {});
+        let host = Host::new().unwrap().with_cache(Some(cache));
         let components = Components::load(&host, &mission, Some(backseat_test_support::plugins())).unwrap();
         let scenario = Scenario::load(&mission).unwrap();
         Hangar {

@@ -27,12 +27,14 @@ fn every_command_explains_its_flags() {
             [
                 "--seed",
                 "--faults",
+                "--script",
                 "--log",
                 "--map",
                 "--open",
                 "--speed",
                 "--json",
                 "--plugins",
+                "--no-cache",
             ]
             .as_slice(),
         ),
@@ -42,7 +44,9 @@ fn every_command_explains_its_flags() {
             &[
                 "--speed",
                 "--profile",
+                "--control",
                 "--faults",
+                "--script",
                 "--seed",
                 "--log",
                 "--map",
@@ -64,13 +68,24 @@ fn every_command_explains_its_flags() {
                 "--duration",
                 "--with-plc",
                 "--plc-folder",
+                "--wait",
+                "--control",
+                "--script",
+                "--map",
+                "--truth",
+                "control take",
             ],
         ),
         ("plc", &["--listen", "--folder", "--seed", "--log", "--duration"]),
-        ("check", &["--resolved", "--set"]),
+        ("check", &["--resolved", "--set", "--no-cache"]),
     ] {
         let help = Backseat::new().args([command, "--help"]).run().exit(0);
-        assert!(help.stdout.contains("<MISSION>"), "{help}");
+        let takes = if matches!(command, "mvc" | "plc") {
+            "<MISSION|WORLD.toml>"
+        } else {
+            "<MISSION>"
+        };
+        assert!(help.stdout.contains(takes), "{help}");
         for flag in flags {
             assert!(help.stdout.contains(flag), "{command} {flag}: {help}");
         }

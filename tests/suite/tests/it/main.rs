@@ -1,5 +1,6 @@
 //! The program as its users see it, one file for each behavior.
 
+mod cache;
 mod examples;
 mod explain;
 mod faults;

@@ -4,12 +4,15 @@
 mod clocks;
 mod connect;
 mod disk;
+mod dives;
 mod external;
 mod fly;
 mod heard;
 mod identifiers;
 mod judge;
 mod mvc;
+mod mvc_orders;
+mod mvc_start;
 mod operator;
 mod pages;
 mod plc;

@@ -349,3 +349,82 @@ fn a_report_that_cannot_be_written_is_an_error_and_no_panic() {
         assert!(!finished.stderr.contains("panicked"), "{finished}");
     }
 }
+
+#[test]
+fn what_is_wrong_with_a_script_is_one_line() {
+    let mission = Mission::steady().write(
+        "script.toml",
+        "# Three lines.\n[[rule]]\nwen = \"connected\"\ndo = \"abort\"\n",
+    );
+    let with = |command: &[&str], script: &str| {
+        let script = mission.path().join(script);
+        let run = Backseat::new()
+            .args(command.iter().copied())
+            .mission(&mission)
+            .arg("--script");
+        run.arg(script).run().refusal()
+    };
+    let mvc = ["mvc", "--listen", "127.0.0.1:0"];
+    for command in [&mvc[..], &["sim"], &["fly"]] {
+        names(
+            &with(command, "script.toml"),
+            &["script.toml", "line 3", "unknown field `wen`: did you mean `when`?"],
+        );
+    }
+    names(&with(&mvc, "nothing.toml"), &["nothing.toml", "No such file"]);
+    let mission = Mission::steady().write(
+        "script.toml",
+        "[[rule]]\nwhen = \"connected\"\ndo = { fault = { kind = \"stal\", for_s = 1 } }\n\
+         [[rule]]\nwhen = \"connected\"\ndo = { load = \"other.dive\" }\n",
+    );
+    let refused = |mission: &Mission| {
+        let run = Backseat::new().args(mvc).mission(mission).arg("--script");
+        run.arg(mission.path().join("script.toml")).run().refusal()
+    };
+    names(
+        &refused(&mission),
+        &["script.toml", "line 3", "unknown variant `stal`: did you mean `stall`?"],
+    );
+    let mission = mission.edit("script.toml", "stal\"", "stall\"");
+    names(
+        &refused(&mission),
+        &["script.toml: line 4: rule 2: no dive is named `other.dive`, expected one of `steady.dive`"],
+    );
+}
+
+#[test]
+fn a_place_without_a_world_is_one_line() {
+    let mission = Mission::steady();
+    let mission_file = mission.path().join("mission.toml");
+    for command in ["mvc", "plc"] {
+        let refused = |place: &std::path::Path| {
+            let run = Backseat::new().args([command, "--listen", "127.0.0.1:0"]).arg(place);
+            run.run().refusal()
+        };
+        let expected = "expected a folder with world.toml, or the path of a world.toml";
+        names(
+            &refused(std::path::Path::new("no/such/place")),
+            &["no/such/place: nothing there", expected],
+        );
+        names(&refused(&mission_file), &["mission.toml: a mission's file", expected]);
+    }
+    let bad = Backseat::new()
+        .args(["mvc", "--listen", "127.0.0.1:0", "--truth", "no/such/folder/truth.csv"])
+        .mission(&mission)
+        .run()
+        .refusal();
+    names(&bad, &["no/such/folder/truth.csv"]);
+    let many = Backseat::new()
+        .args(["mvc", "--listen", "127.0.0.1:0", "--wait", "17"])
+        .mission(&mission)
+        .run()
+        .refusal();
+    names(
+        &many,
+        &[
+            "--wait 17",
+            "world.toml lets only 16 clients connect",
+            "[spi] clients_max",
+        ],
+    );
+}

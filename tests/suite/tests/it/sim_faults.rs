@@ -123,3 +123,35 @@ fn a_wrong_file_of_faults_is_refused_with_file_number_and_key() {
         "{refusal}"
     );
 }
+
+#[test]
+fn a_script_takes_control_and_cuts_the_link_in_the_same_way_in_each_run() {
+    let rules = "[[rule]]\nwhen = { received = \"BPRMB\" }\nafter_s = 3\ndo = { control = \"take\" }\n\
+                 [[rule]]\nwhen = { at_s = 60 }\ndo = { control = \"plan\" }\n\
+                 [[rule]]\nwhen = { at_s = 70 }\nafter_s = 10\ndo = { fault = { kind = \"link_cut\", for_s = 10 } }\n";
+    let mission = world("").write("script.toml", rules);
+    let fly = |script: bool| {
+        let path = mission.beside("run.mcap");
+        let mut run = Backseat::new().args(["sim", "--json", "--log"]).arg(&path);
+        if script {
+            run = run.arg("--script").arg(mission.path().join("script.toml"));
+        }
+        let report = run.mission(&mission).run().exit(0).json();
+        (report, read(&path).expect("the log can be read"))
+    };
+    let (report, log) = fly(true);
+    assert_eq!(report["faults"], 1, "{report}");
+    assert_eq!(report["violations"].as_array().map(Vec::len), Some(0), "{report}");
+    let modifies = sent(&log, "$BPRMB,");
+    // What is under way when control is taken is there within thousandths; then nothing steers until 60 s.
+    let first = modifies[0];
+    let before = modifies.iter().filter(|at| **at < 60.0).copied().fold(0.0, f64::max);
+    assert!((first + 1.0..first + 3.3).contains(&before), "{modifies:?}");
+    assert!(modifies.iter().any(|at| (60.0..80.0).contains(at)), "{modifies:?}");
+    assert!(!modifies.iter().any(|at| (80.0..90.0).contains(at)), "{modifies:?}");
+    assert!(modifies.iter().any(|at| *at > 90.0), "{modifies:?}");
+    let (again, _) = fly(true);
+    assert_eq!(again["digest"], report["digest"]);
+    let (without, _) = fly(false);
+    assert_ne!(without["digest"], report["digest"]);
+}

@@ -9,7 +9,7 @@ use crate::faults::{AckFilter, Directions, Fault, FaultKind, LinkFault, LinkFaul
 use crate::file::SHUTDOWN_NOTICE;
 
 /// The longest time in a plan, seconds: ten years.
-const LONGEST_S: f64 = 315_360_000.0;
+pub(in crate::file) const LONGEST_S: f64 = 315_360_000.0;
 /// The least time for which writes are collected, seconds.
 const HOLD_MIN_S: f64 = 0.001;
 const SECONDS: &str = "0 to 315360000 s";
@@ -25,7 +25,20 @@ mod keys {
 /// Converts an entry into the typed fault.
 impl FaultEntry {
     pub(super) fn fault(&self) -> Result<Fault, String> {
-        let at = Timestamp::ZERO + seconds("at_s", self.at_s, 0.0, LONGEST_S, SECONDS)?;
+        let at_s = self.needed("at_s", self.at_s)?;
+        let at = Timestamp::ZERO + seconds("at_s", at_s, 0.0, LONGEST_S, SECONDS)?;
+        self.at(at)
+    }
+
+    /// Converts the entry of a rule or of the operator into a fault that begins at time zero.
+    pub(in crate::file) fn untimed(&self) -> Result<Fault, String> {
+        if self.at_s.is_some() {
+            return Err("a fault has no `at_s` here: it begins when it is ordered".to_owned());
+        }
+        self.at(Timestamp::ZERO)
+    }
+
+    fn at(&self, at: Timestamp) -> Result<Fault, String> {
         let kind = self.typed()?;
         Ok(Fault {
             at,
@@ -302,7 +315,7 @@ fn seconds(key: &str, value: f64, least: f64, most: f64, expected: &str) -> Resu
     ranged(key, value, least, most, expected).map(Duration::from_secs_f64)
 }
 
-fn is_command(name: CommandName) -> bool {
+pub(in crate::file) fn is_command(name: CommandName) -> bool {
     backseat_spi::catalogue()
         .iter()
         .any(|entry| entry.name.strip_prefix("BP") == Some(name.as_str()))

@@ -4,7 +4,7 @@ use crate::faults::{AckFilter, Fault, FaultKind, LinkFault, LinkFaultKind, Negat
 /// Converts a typed fault into an entry, with every key that its kind has.
 impl FaultEntry {
     fn bare(kind: FaultName, fault: &Fault) -> Self {
-        let at_s = fault.at.as_secs_f64();
+        let at_s = Some(fault.at.as_secs_f64());
         Self {
             at_s,
             kind,

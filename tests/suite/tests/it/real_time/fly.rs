@@ -136,3 +136,17 @@ fn a_speed_that_is_none_is_refused() {
     let seconds = log_of(&mission).entries.last().unwrap().now.as_secs_f64();
     assert!(seconds > 4.0, "{seconds} s");
 }
+
+#[test]
+fn a_script_acts_in_a_flight_too() {
+    let rules = "[[rule]]\nwhen = { received = \"BPRMB\" }\nnth = 5\ndo = \"abort\"";
+    let mission = short().write("script.toml", rules);
+    let script = mission.path().join("script.toml");
+    let flown = fly(&mission, &["--speed", "15", "--script", script.to_str().unwrap()])
+        .run()
+        .exit(0);
+    assert!(flown.stdout.starts_with("steady, seed 1: aborted after "), "{flown}");
+    assert!(flown.stdout.contains(" no violation"), "{flown}");
+    let modifies = sent(&log_of(&mission), "$BPRMB");
+    assert!((5..=7).contains(&modifies.len()), "{modifies:?}");
+}

@@ -12,13 +12,13 @@ use backseat_suite::{Backseat, Mission, Signal, Stopwatch, Vehicle, Way, eventua
 const SOON: Duration = Duration::from_secs(20);
 
 /// A client on a plain socket.
-struct Client {
+pub(super) struct Client {
     stream: TcpStream,
     heard: Vec<u8>,
 }
 
 impl Client {
-    fn connect(address: &str) -> Self {
+    pub(super) fn connect(address: &str) -> Self {
         let stream = TcpStream::connect(address).expect("the vehicle listens");
         stream
             .set_read_timeout(Some(Duration::from_millis(50)))
@@ -33,14 +33,14 @@ impl Client {
         }
     }
 
-    fn say(&mut self, sentence: &str) {
+    pub(super) fn say(&mut self, sentence: &str) {
         self.stream
             .write_all(format!("{sentence}\r\n").as_bytes())
             .expect("the vehicle reads");
     }
 
     /// Reads once; returns false if the vehicle has closed the connection.
-    fn read(&mut self) -> bool {
+    pub(super) fn read(&mut self) -> bool {
         let mut buffer = [0; 16 * 1024];
         match self.stream.read(&mut buffer) {
             Ok(0) => false,
@@ -52,13 +52,13 @@ impl Client {
         }
     }
 
-    fn lines(&self) -> Vec<String> {
+    pub(super) fn lines(&self) -> Vec<String> {
         let text = String::from_utf8_lossy(&self.heard);
         let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
         whole.lines().map(str::to_owned).collect()
     }
 
-    fn hears(&mut self, text: &str) {
+    pub(super) fn hears(&mut self, text: &str) {
         let wanted = text.to_owned();
         eventually(
             SOON,

@@ -98,6 +98,7 @@ fn follow(page: &str) -> (String, TempDir) {
         .env("CARGO", real)
         .env("REAL_TARGET", target)
         .env("XDG_STATE_HOME", folder.path().join("users-state"))
+        .env("BACKSEAT_CACHE", backseat_test_support::cache())
         .env_remove("BACKSEAT_PLUGINS")
         .output()
         .expect("bash starts");

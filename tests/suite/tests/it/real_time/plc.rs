@@ -382,7 +382,10 @@ fn what_cannot_be_served_is_one_line() {
     let line = plc(&broken).run().refusal();
     assert!(line.contains("plc.clients_max is 0, expected 1 to 64"), "{line}");
     let line = plc(&Mission::steady().without("world.toml")).run().refusal();
-    assert!(line.contains("world.toml: not found"), "{line}");
+    assert!(
+        line.contains("a folder without world.toml: expected a folder with world.toml"),
+        "{line}"
+    );
 }
 
 #[test]

@@ -236,3 +236,26 @@ fn sr_022_a_name_that_nobody_resolves_does_not_keep_the_process() {
     assert_eq!(runtime.wait(SOON), Some(0), "{}", runtime.stderr());
     assert!(stopped.elapsed() < ENDS_WITHIN, "gone after {:?}", stopped.elapsed());
 }
+
+#[test]
+fn sr_022_the_cache_of_compiled_plugins_hangs_and_the_runtime_starts_without_it() {
+    let (mission, stall) = (Mission::steady(), Stall::new());
+    let vehicle = Scripted::start(Behavior::default());
+    let cache = mission.beside("cache");
+    fs::create_dir(&cache).unwrap();
+    stall.begin();
+    let runtime = Backseat::new()
+        .args(["run", "--arm", "--connect", &vehicle.address, "--log"])
+        .arg(mission.beside("logs"))
+        .arg("--state")
+        .arg(mission.beside("state"))
+        .mission(&mission)
+        .env("BACKSEAT_CACHE", &cache)
+        .stalled(&stall, &[&cache])
+        .spawn();
+    let said = runtime.says("no cache of compiled plugins: ", SOON);
+    assert!(said.contains("the disk has not answered for 5 s"), "{said}");
+    vehicle.hears("BPRMB", 3, SOON);
+    assert!(stall.held()[0].starts_with("open"), "{:?}", stall.held());
+    ends(&vehicle, runtime);
+}

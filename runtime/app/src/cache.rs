@@ -1,0 +1,24 @@
+//! The plugin host, with the user's cache of compiled plugins.
+
+use backseat_plugin_host::{Cache, Host, HostError, Notice};
+use tracing::{info, warn};
+
+use crate::cli::MissionArguments;
+
+/// A host for the plugins of a mission. It says on standard error what is wrong with the cache, and nothing that is
+/// wrong with it is an error.
+///
+/// # Errors
+///
+/// If this machine cannot run WebAssembly.
+pub(crate) fn host(arguments: &MissionArguments) -> Result<Host, HostError> {
+    let cache = if arguments.no_cache { None } else { Cache::of_user(tell) };
+    Ok(Host::new()?.with_cache(cache))
+}
+
+fn tell(notice: Notice) {
+    match notice {
+        Notice::Unusable(text) => info!("{text}"),
+        Notice::Odd(text) => warn!("{text}"),
+    }
+}

@@ -19,6 +19,7 @@ use crate::state::State;
 
 mod front_seat;
 mod machine;
+mod missing;
 #[cfg(feature = "simulation")]
 mod scenario;
 #[cfg(feature = "simulation")]
@@ -128,7 +129,9 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             },
         );
     }
-    for line in loaded.iter().flat_map(|loaded| without_pings(&mission, &loaded.setups)) {
+    let lacking = |setups| [without_pings(&mission, setups), missing::grants(&mission, setups)].concat();
+    let warnings = loaded.iter().flat_map(|loaded| lacking(&loaded.setups));
+    for line in warnings.chain(missing::depths(&mission)) {
         say!("warning: {line}");
     }
     if loaded.is_some_and(|loaded| !loaded.setups.is_empty()) {

@@ -128,6 +128,8 @@ pub struct Simulation {
     control: ControlTimes,
     /// How each plugin failed first, by its name in the mission.
     first_failures: BTreeMap<String, FirstFailure>,
+    /// The last panic of each plugin, by its name, and when the plugin logged it.
+    panics: BTreeMap<String, (Timestamp, String)>,
     /// The last value of each measure that plugins published, by `PLUGIN.NAME`.
     published: BTreeMap<String, Published>,
     mission: String,
@@ -215,6 +217,7 @@ impl Simulation {
             plugin_failures: BTreeMap::new(),
             control: ControlTimes::default(),
             first_failures: BTreeMap::new(),
+            panics: BTreeMap::new(),
             published: BTreeMap::new(),
             mission: mission.name.clone(),
             seed,

@@ -44,5 +44,6 @@ pub fn vehicle_map(title: &str, subtitle: &str, caption: &str, trace: &Trace, mv
         lease_begins: changes(trace, frame, true),
         lease_ends: changes(trace, frame, false),
         payload: Payload::Client,
+        ..Picture::default()
     })
 }

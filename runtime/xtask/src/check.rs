@@ -17,10 +17,11 @@ use crate::workspace::Workspace;
 /// The version that is installed if none is.
 const DENY: (&str, &str) = ("cargo-deny", "0.20.2");
 /// Crates whose tests read files that belong to no crate.
-const READERS: [(&str, &str); 11] = [
+const READERS: [(&str, &str); 12] = [
     ("wit/", "backseat-sdk"),
     ("wit/", "backseat-plugin-host"),
     ("runtime/docs/", "backseat-mvc"),
+    ("runtime/docs/", "backseat-reference"),
     ("runtime/docs/", "xtask"),
     ("tests/plans/", "backseat-hunt"),
     ("tests/plans/", "backseat-replay"),

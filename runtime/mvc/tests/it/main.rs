@@ -50,5 +50,6 @@ mod sixdof;
 mod soundings;
 mod stops;
 mod survey_logging;
+mod tables;
 mod thruster;
 mod topside;

@@ -99,3 +99,40 @@ fn a_page_has_every_key_and_every_word() {
         }
     }
 }
+
+/// The page with the tables of the mock lists every key of world.toml, and names no other.
+#[test]
+fn the_mocks_page_lists_every_key() {
+    let page = include_str!("../../../docs/mock-tables.md");
+    let world = Reference::of("world.toml").expect("it is registered");
+    let is_path =
+        |word: &&str| word.contains('.') && word.bytes().all(|byte| matches!(byte, b'a'..=b'z' | b'_' | b'.'));
+    for key in page.split('`').skip(1).step_by(2).filter(is_path) {
+        assert!(
+            key.ends_with(".toml") || world.entry(key).is_some(),
+            "there is no key `{key}`"
+        );
+    }
+    let (_, list) = page.split_once("\n## All keys\n").expect("the page has this section");
+    let mut stated: Vec<String> = list
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `[")?.split_once("]` | "))
+        .map(|(table, keys)| {
+            let keys = keys.trim_end_matches(" |").replace('`', "");
+            format!("{}: {keys}", table.trim_matches(['[', ']']))
+        })
+        .collect();
+    let mut expected: Vec<String> = world
+        .entries
+        .iter()
+        .filter(|entry| entry.is_table())
+        .map(|table| {
+            let keys = world.within(&table.key).filter(|entry| !entry.is_table());
+            let names: Vec<&str> = keys.map(backseat_reference::Entry::name).collect();
+            format!("{}: {}", table.key, names.join(", "))
+        })
+        .collect();
+    stated.sort();
+    expected.sort();
+    assert_eq!(stated, expected);
+}

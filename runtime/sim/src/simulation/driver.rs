@@ -10,6 +10,8 @@ use crate::simulation::{SimError, Simulation};
 
 /// How many different reasons for rejections are reported.
 const REASONS_MAX: usize = 20;
+/// How the line begins that Rust writes for a panic, and that the SDK logs.
+const PANIC: &str = "panicked at ";
 
 impl Simulation {
     /// Ends the run. Also tells the runtime's process to stop, if it is awake.
@@ -114,13 +116,22 @@ impl Simulation {
             self.tell_oracle(act);
             self.keep(act);
         }
+        if let Note::PluginLog { plugin, line } = note
+            && line.text.starts_with(PANIC)
+            && let Some(name) = self.names.get(plugin.0)
+        {
+            let text = line.text.lines().collect::<Vec<_>>().join(" ");
+            self.panics.insert(name.clone(), (self.now, text));
+        }
         if let Note::PluginFailed { plugin, fault, .. } = note
             && let Some(name) = self.names.get(plugin.0)
         {
-            let at_s = self.now.as_secs_f64();
+            let now = self.now;
+            // A trap carries no text. The plugin's panic, which led to it, was logged in the same step.
+            let panic = self.panics.get(name).filter(|(at, _)| *at == now);
             self.first_failures.entry(name.clone()).or_insert_with(|| FirstFailure {
-                at_s,
-                text: fault.text.clone(),
+                at_s: now.as_secs_f64(),
+                text: panic.map_or_else(|| fault.text.clone(), |(_, text)| text.clone()),
             });
             *self.plugin_failures.entry(name.clone()).or_default() += 1;
         }

@@ -1,6 +1,7 @@
 //! The program as its users see it, one file for each behavior.
 
 mod cache;
+mod examples;
 mod explain;
 mod faults;
 mod fence;
@@ -20,3 +21,4 @@ mod simulation;
 mod sonar;
 mod spi;
 mod viewers;
+mod warnings;

@@ -16,8 +16,9 @@ fn not_ready(mission: &Mission, arguments: &[&str]) -> String {
     finished.stdout
 }
 
+/// The output of a check of a mission that is ready.
 #[track_caller]
-fn ready(mission: &Mission, arguments: &[&str]) -> String {
+pub(crate) fn ready(mission: &Mission, arguments: &[&str]) -> String {
     let finished = Backseat::new()
         .arg("check")
         .mission(mission)
@@ -30,7 +31,7 @@ fn ready(mission: &Mission, arguments: &[&str]) -> String {
 
 /// Requires one line that contains all of these.
 #[track_caller]
-fn has(said: &str, parts: &[&str]) {
+pub(crate) fn has(said: &str, parts: &[&str]) {
     let told = said.lines().any(|line| parts.iter().all(|part| line.contains(part)));
     assert!(told, "no line with {parts:?} in:\n{said}");
 }
@@ -640,56 +641,4 @@ fn a_good_computer_has_a_line_of_its_own() {
         &ready(&Mission::steady(), &[]),
         &["this computer: ok", "GB free for logs"],
     );
-}
-
-#[test]
-fn a_world_beyond_the_limits_is_a_warning() {
-    let mission = Mission::steady();
-    let limits = ["limits.current_max_mps=0.01", "limits.navigation_error_m=0.1"];
-    let rough = mission.append("world.toml", "[sensors]\nposition_noise_m = 0.5").edit(
-        "world.toml",
-        "[seabed]",
-        "[current]\nspeed_mps = 0.2\n\n[seabed]",
-    );
-    for limit in limits {
-        let key = limit.split('=').next().unwrap_or_default();
-        has(&ready(&rough, &["--set", limit]), &["warning: world:", key]);
-    }
-    let flown = Backseat::new().args(["sim", "--set", limits[0]]).mission(&rough).run();
-    has(&flown.stderr, &["WARN", "world: current up to 0.20 m/s"]);
-}
-
-#[test]
-fn a_world_in_which_plugins_can_do_nothing_is_a_warning() {
-    let never = Mission::steady().edit("world.toml", "dynamic = true\n", "");
-    has(
-        &ready(&never, &[]),
-        &["warning: world: no [[plan]] has dynamic = true", "never gives control"],
-    );
-    let always = never.edit("world.toml", "[mission]", "[mission]\ncontrol = \"mission\"");
-    assert!(!ready(&always, &[]).contains("never gives control"));
-
-    let text = std::fs::read_to_string(Mission::steady().path().join("fence.geojson")).expect("it has a fence");
-    let mut fence: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-    swap(&mut fence);
-    let swapped = Mission::steady();
-    std::fs::write(swapped.path().join("fence.geojson"), fence.to_string()).expect("it can be written");
-    let line = Backseat::new().arg("check").mission(&swapped).run().exit(1);
-    has(
-        &line.stdout,
-        &["warning: world: [origin]", "latitude and longitude are swapped"],
-    );
-}
-
-/// Swaps the two numbers of each position.
-fn swap(value: &mut serde_json::Value) {
-    if let Some(items) = value.as_array_mut() {
-        if items.len() == 2 && items.iter().all(serde_json::Value::is_number) {
-            items.swap(0, 1);
-        } else {
-            items.iter_mut().for_each(swap);
-        }
-    } else if let Some(object) = value.as_object_mut() {
-        object.values_mut().for_each(swap);
-    }
 }

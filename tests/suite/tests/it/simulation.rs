@@ -164,6 +164,18 @@ fn the_report_says_when_there_was_control_and_how_a_plugin_failed_first() {
         line.contains(" times, first at ") && line.ends_with(" s: faulty was told to fail"),
         "{line}"
     );
+    // A panic is told with its place and its words, and not only as the trap in which it ends.
+    let panicking = Mission::steady().edit("mission.toml", "fault = \"none\"", "fault = \"trap\"");
+    let report = fly(&panicking, &[]);
+    let line = report
+        .stdout
+        .lines()
+        .find(|line| line.contains(" times, first at "))
+        .unwrap();
+    assert!(
+        line.contains(" s: panicked at plugins/faulty/src/lib.rs:") && line.ends_with(": faulty was told to panic"),
+        "{line}"
+    );
 }
 
 #[test]

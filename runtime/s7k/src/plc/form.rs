@@ -161,8 +161,7 @@ macro_rules! decimals {
                 if !value.is_finite() {
                     return Err(TextFault::expected("a finite number", &value.to_string()));
                 }
-                // No -0: it reads as a fault.
-                writer.push(format_args!($write, value + 0.0));
+                writer.push(format_args!("{}", without_negative_zero(&format!($write, value))));
                 Ok(())
             }
 
@@ -180,6 +179,12 @@ decimals! {
     Hundredths, "%.2f", "{:.2}", 100.0;
     /// Three decimals: megabytes.
     Thousandths, "%0.3lf", "{:.3}", 1000.0;
+}
+
+/// A number's text without the sign, if all its digits are 0: a reader takes `-0.00` for a fault.
+fn without_negative_zero(text: &str) -> &str {
+    let zero = |digits: &&str| digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    text.strip_prefix('-').filter(zero).unwrap_or(text)
 }
 
 /// A text that may be written: no control characters, and no space at its ends, which readers drop.

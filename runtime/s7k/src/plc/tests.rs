@@ -244,8 +244,15 @@ fn what_cannot_be_read_back_is_not_written() {
             .contains("text without commas")
     );
     assert!(Generic::Range { range_m: f64::NAN }.write(&mut out).is_err());
-    Generic::Range { range_m: -0.0 }.write(&mut out).unwrap();
-    assert_eq!(out, "Range = 0.00");
+    for (range_m, text) in [
+        (-0.0, "Range = 0.00"),
+        (-0.001, "Range = 0.00"),
+        (-0.02, "Range = -0.02"),
+    ] {
+        out.clear();
+        Generic::Range { range_m }.write(&mut out).unwrap();
+        assert_eq!(out, text);
+    }
 }
 
 #[test]

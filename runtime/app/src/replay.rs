@@ -5,7 +5,7 @@ mod map;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use backseat_recorder::LogReader;
 use backseat_replay::{Config, Configs, Flow, Given, Replay as Playback, Report, Task};
 use clap::Args;
@@ -86,6 +86,12 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
     #[cfg(feature = "simulation")]
     let envelope = std::sync::Arc::clone(&playback.mission().envelope);
     let report = playback.finish(log.is_complete());
+    // Nothing differs in a log without inputs, but nothing was compared either.
+    ensure!(
+        report.inputs > 0,
+        "log {}: the runtime has received nothing in it, so there is nothing to replay",
+        arguments.log.display()
+    );
     let wall_seconds = playing.elapsed().as_secs_f64();
     #[cfg(feature = "simulation")]
     if let Some(path) = &arguments.map {

@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use backseat_suite::{Backseat, Finished, Mission};
 use backseat_test_support::plugins;
 
+/// The opcode of a chunk of messages in an MCAP file.
+const CHUNK: u8 = 6;
+
 /// A mission that the plugin `isobath` flies for a few minutes, and its log.
 fn flown() -> (Mission, PathBuf) {
     let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 120");
@@ -41,7 +44,6 @@ fn replaced(log: &Path, begins: &[u8], message: &[u8]) -> PathBuf {
 }
 
 fn changed_from(log: &Path, find: &[u8], change: impl FnOnce(&mut [u8])) -> PathBuf {
-    const CHUNK: u8 = 6;
     let mut bytes = fs::read(log).expect("the log can be read");
     let mut at = 8;
     while let Some(head) = bytes.get(at..at + 9) {
@@ -230,6 +232,24 @@ fn what_cannot_be_replayed_is_refused_in_one_line() {
     fs::write(&half, &bytes[..bytes.len() * 2 / 3]).expect("the log can be written");
     let text = replay(&half, &[]).exit(0);
     assert!(text.stdout.contains("cut short: the process was killed"), "{text}");
+
+    // One that was killed before its first input was on the disk.
+    let empty = mission.beside("empty.mcap");
+    fs::write(&empty, &bytes[..first_chunk(&bytes)]).expect("the log can be written");
+    says(
+        refused(&empty, &["--json"]),
+        &["empty.mcap", "there is nothing to replay"],
+    );
+}
+
+/// The place of the first chunk, which has the first messages.
+fn first_chunk(bytes: &[u8]) -> usize {
+    let mut at = 8;
+    while bytes[at] != CHUNK {
+        let length = bytes[at + 1..at + 9].iter().rev();
+        at += 9 + length.fold(0, |length, byte| length << 8 | usize::from(*byte));
+    }
+    at
 }
 
 /// The disk was too slow: what follows cannot be replayed, and the line says where.

@@ -27,6 +27,7 @@
 //! | `s7k_frame` | 15,000,000 | nothing |
 //! | `s7k_record` | 25,000,000 | nothing |
 //! | `s7k_text` | 31,202,519 | after 1,202,519: a number was written as -0.00 (`negative_zero`) |
+//! | `s7k_stream` | 8,003,269 | nothing |
 //!
 //! Inputs that reached new code are kept as `found_…`, a share of what `-set_cover_merge=1` leaves of them.
 //! libFuzzer writes a failing input to `crash-…`; put it into the target's corpus under a name that says what it is.

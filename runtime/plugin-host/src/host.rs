@@ -1,7 +1,7 @@
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use backseat_core::plugin::Judge;
+use backseat_core::plugin::{Description, Judge};
 use wasmtime::component::Linker;
 use wasmtime::{Config, Engine, OperatorCost, VariableOperatorCost};
 
@@ -193,6 +193,15 @@ impl Component {
     /// description does, [`HostError::Interface`] if its functions have other types.
     pub fn start(&self, budget: Budget, config_json: &str, judge: Arc<dyn Judge>) -> Result<Started, HostError> {
         Plugin::start(self.clone(), budget, config_json, judge)
+    }
+
+    /// What the plugin says about itself, without starting it: it needs no configuration for that.
+    ///
+    /// # Errors
+    ///
+    /// As [`Component::start`], of `describe` alone.
+    pub fn describe(&self, budget: Budget) -> Result<Description, HostError> {
+        Plugin::describe(self.clone(), budget)
     }
 
     pub(crate) fn engine(&self) -> &Engine {

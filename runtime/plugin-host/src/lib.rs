@@ -38,6 +38,7 @@ mod inspection;
 mod instance;
 mod lines;
 mod measures;
+mod meter;
 mod plugin;
 mod v0_1_0;
 
@@ -47,4 +48,5 @@ pub use error::HostError;
 pub use host::{COMPILE_TIME, COMPONENT_BYTES, Component, Host, Origin};
 pub use inspection::{Inspection, inspect};
 pub use instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL};
+pub use meter::{Meter, Stopwatch, Usage};
 pub use plugin::{PANICKED, Plugin, Restarted, Started};

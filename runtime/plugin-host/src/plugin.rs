@@ -1,10 +1,14 @@
 use std::sync::Arc;
 
-use backseat_core::plugin::{Description, FaultKind, Judge, LogLine, PluginFault, Returned, StepInput};
+use backseat_core::plugin::{
+    Description, FaultKind, Judge, LogLine, PluginFault, Refusal, Request, Returned, StepInput,
+};
+use backseat_core::refusal::Reason;
 
 use crate::instance::{CALL_BYTES, Called, Instance, cut};
 use crate::lines::{self, Lines};
 use crate::measures::Measures;
+use crate::meter::Meter;
 use crate::{Budget, Component, HostError, v0_1_0};
 
 /// The largest snapshot, bytes.
@@ -34,8 +38,18 @@ pub struct Plugin {
     snapshot: Option<Vec<u8>>,
     lines: Lines,
     measures: Measures,
+    meter: Option<Arc<Meter>>,
     inputs_since_snapshot: u64,
     steps_to_snapshot: u32,
+}
+
+/// Answers a plugin that is asked for its description only.
+struct NoFence;
+
+impl Judge for NoFence {
+    fn judge(&self, _: &Request, _: &StepInput) -> Result<f64, Refusal> {
+        Err(Refusal::State(Reason::NotInStep))
+    }
 }
 
 /// A plugin that has been started.
@@ -70,7 +84,28 @@ impl Plugin {
         config_json: &str,
         judge: Arc<dyn Judge>,
     ) -> Result<Started, HostError> {
-        let mut plugin = Self {
+        let mut plugin = Self::unstarted(component, budget, config_json, judge);
+        let (mut instance, description) = plugin.begin()?;
+        let left = plugin.init(&mut instance);
+        let log = lines::of_start(instance.take_log());
+        let left = left.map_err(|fault| plugin.cannot_start(with_last_line(fault, &log)))?;
+        plugin.instance = Some(instance);
+        Ok(Started {
+            fuel: plugin.budget.fuel_init - left,
+            description,
+            log,
+            plugin,
+        })
+    }
+
+    /// What a plugin says about itself, without `init`, for which it would need its configuration.
+    pub(crate) fn describe(component: Component, budget: Budget) -> Result<Description, HostError> {
+        let (_, description) = Self::unstarted(component, budget, "", Arc::new(NoFence)).begin()?;
+        Ok(description)
+    }
+
+    fn unstarted(component: Component, budget: Budget, config_json: &str, judge: Arc<dyn Judge>) -> Self {
+        Self {
             steps_to_snapshot: budget.snapshot_every_steps,
             component,
             budget,
@@ -83,40 +118,38 @@ impl Plugin {
             inputs_since_snapshot: 0,
             lines: Lines::default(),
             measures: Measures::default(),
-        };
-        let name = plugin.component.name().to_owned();
-        let start = |fault| HostError::Start {
-            plugin: name.clone(),
-            fault,
-        };
-        let mut instance = plugin.instantiate().map_err(|fault| {
+            meter: None,
+        }
+    }
+
+    /// Creates an instance and calls `describe`.
+    fn begin(&self) -> Result<(Instance, Description), HostError> {
+        let mut instance = self.instantiate().map_err(|fault| {
             if fault.kind == FaultKind::Start {
                 HostError::Interface {
-                    plugin: name.clone(),
+                    plugin: self.component.name().to_owned(),
                     interface: v0_1_0::INTERFACE,
                     reason: fault.text,
                 }
             } else {
-                start(fault)
+                self.cannot_start(fault)
             }
         })?;
         let described = instance.call_on(CALL_BYTES, None, |exports, store| exports.call_describe(store));
-        let described = described.result.map_err(start)?;
+        let described = described.result.map_err(|fault| self.cannot_start(fault))?;
         let description = v0_1_0::description(described).map_err(|(what, expected)| HostError::Description {
-            plugin: name.clone(),
+            plugin: self.component.name().to_owned(),
             what,
             expected,
         })?;
-        let left = plugin.init(&mut instance);
-        let log = lines::of_start(instance.take_log());
-        let left = left.map_err(|fault| start(with_last_line(fault, &log)))?;
-        plugin.instance = Some(instance);
-        Ok(Started {
-            fuel: plugin.budget.fuel_init - left,
-            description,
-            log,
-            plugin,
-        })
+        Ok((instance, description))
+    }
+
+    fn cannot_start(&self, fault: PluginFault) -> HostError {
+        HostError::Start {
+            plugin: self.component.name().to_owned(),
+            fault,
+        }
     }
 
     /// Runs one step. The returned fuel includes the snapshot's, if one was taken. A fault that loses the instance uses
@@ -165,6 +198,7 @@ impl Plugin {
             events: Vec::new(),
             ..*input
         }));
+        let begun = self.meter.as_ref().map(|meter| meter.now());
         let fuel_max = match stop {
             Some(Stop::InStep { .. }) => self.budget.fuel_per_step.min(STOPPED_FUEL),
             Some(Stop::InSnapshot) | None => self.budget.fuel_per_step,
@@ -182,6 +216,10 @@ impl Plugin {
             }
         };
         instance.set_step(None);
+        if let (Some(meter), Some(begun)) = (&self.meter, begun) {
+            let used = fuel_max.saturating_sub(instance.fuel_left());
+            meter.step(begun, used, instance.memory_bytes());
+        }
         let mut result = result.and_then(|returned| match returned {
             Ok(requests) => v0_1_0::requests(requests),
             Err(text) => Err(PluginFault {
@@ -214,6 +252,9 @@ impl Plugin {
                     ),
                 };
                 fuel += taken.fuel;
+                if let Some(meter) = &self.meter {
+                    meter.snapshot(taken.fuel);
+                }
                 match taken.result {
                     Ok(state) => {
                         self.snapshot = Some(state);
@@ -228,7 +269,11 @@ impl Plugin {
                 }
             }
         }
-        let mut log = self.lines.keep(input.now, instance.take_log());
+        let (lines, dropped) = instance.take_log();
+        if let Some(meter) = &self.meter {
+            meter.dropped(dropped);
+        }
+        let mut log = self.lines.keep(input.now, (lines, dropped));
         let measures = self.measures.keep(input.now, instance.published(), &mut log);
         if result.as_ref().is_err_and(loses_the_instance) {
             self.instance = None;
@@ -296,6 +341,11 @@ impl Plugin {
     /// plugin may last before it ends with [`FaultKind::Deadline`]. `None`, the default, means no limit.
     pub fn set_deadline_ticks(&mut self, ticks: Option<u64>) {
         self.deadline_ticks = ticks;
+    }
+
+    /// Measures every later step. `None`, the default, measures nothing and takes no time.
+    pub fn set_meter(&mut self, meter: Option<Arc<Meter>>) {
+        self.meter = meter;
     }
 
     /// Whether it can be stepped; if not, it must be restarted.

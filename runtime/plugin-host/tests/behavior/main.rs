@@ -12,4 +12,5 @@ mod determinism;
 mod faults;
 mod fixture;
 mod life_cycle;
+mod meter;
 mod round_trip;

@@ -46,7 +46,7 @@ pub use budget::Budget;
 pub use cache::{Cache, Notice, PATIENCE, ROOM_BYTES};
 pub use error::HostError;
 pub use host::{COMPILE_TIME, COMPONENT_BYTES, Component, Host, Origin};
-pub use inspection::{Inspection, inspect};
+pub use inspection::{Inspection, check_form, inspect};
 pub use instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL};
 pub use meter::{Meter, Stopwatch, Usage};
 pub use plugin::{PANICKED, Plugin, Restarted, Started};

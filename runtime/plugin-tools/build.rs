@@ -30,7 +30,11 @@ fn main() -> std::io::Result<()> {
     for file in files {
         let name = file.strip_prefix(&workspace).unwrap_or(&file);
         // A path of this project is plain ASCII with slashes.
-        let _written = writeln!(list, "    ({:?}, include_bytes!({file:?})),", name.display().to_string());
+        let _written = writeln!(
+            list,
+            "    ({:?}, include_bytes!({file:?})),",
+            name.display().to_string()
+        );
     }
     list.push_str("]\n");
     let out = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());

@@ -31,7 +31,7 @@ pub fn build(project: &Project, kit: &Kit) -> Result<PathBuf, ToolError> {
     project.require_sdk(kit)?;
     let built = backseat_componentize::build(project.folder(), &[], project.folder())?;
     let component = project.component();
-    if built.contains(&component) {
+    if built.iter().any(|file| file.file_name() == component.file_name()) {
         Ok(component)
     } else {
         Err(ToolError::OtherPackage {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use backseat_core::plugin::{Description, Topic};
 use backseat_plugin_host::{Budget, COMPONENT_BYTES, Host, HostError, check_form};
 use serde::{Serialize, Serializer};
-use wasmparser::{Parser, Payload};
+use wasmparser::{ComponentExternalKind, ComponentTypeRef, Parser, Payload, TypeBounds};
 
 use crate::error::{ToolError, of_file};
 use crate::project::Project;
@@ -152,11 +152,18 @@ impl Interface {
                 continue;
             } else if let Payload::ComponentImportSection(imports) = payload {
                 for import in imports {
-                    interface.imports.push(import.map_err(one_line)?.name.name.to_owned());
+                    let import = import.map_err(one_line)?;
+                    // A type that equals another one asks for nothing.
+                    if !matches!(import.ty, ComponentTypeRef::Type(TypeBounds::Eq(_))) {
+                        interface.imports.push(import.name.name.to_owned());
+                    }
                 }
             } else if let Payload::ComponentExportSection(exports) = payload {
                 for export in exports {
-                    interface.exports.push(export.map_err(one_line)?.name.name.to_owned());
+                    let export = export.map_err(one_line)?;
+                    if export.kind != ComponentExternalKind::Type {
+                        interface.exports.push(export.name.name.to_owned());
+                    }
                 }
             }
         }

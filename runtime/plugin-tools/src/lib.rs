@@ -29,7 +29,7 @@ pub use component::{ComponentFile, Inspection, Interface};
 pub use error::ToolError;
 pub use kit::Kit;
 pub use project::Project;
-pub use report::{Headroom, OfMission, Report, Task, Trials, TrialFault, Used};
+pub use report::{Headroom, OfMission, Report, Task, TrialFault, Trials, Used};
 pub use tally::{Fault, KindTally, Refused};
 pub use trial::{Flights, Trial};
 

@@ -65,7 +65,9 @@ impl Project {
     /// [`ToolError::NoProject`] without a `Cargo.toml`, [`ToolError::Manifest`] if that names no package.
     pub fn open(folder: &Path) -> Result<Self, ToolError> {
         let (path, manifest) = manifest(folder)?;
-        let name = manifest.get("package").and_then(|package| package.get("name")?.as_str());
+        let name = manifest
+            .get("package")
+            .and_then(|package| package.get("name")?.as_str());
         let name = name.ok_or_else(|| ToolError::Manifest {
             path,
             fault: "no [package] with a name: expected the folder of one plugin".to_owned(),
@@ -91,7 +93,7 @@ impl Project {
     /// Its component, built or not.
     #[must_use]
     pub fn component(&self) -> PathBuf {
-        self.folder.join(format!("{}.wasm", self.name))
+        self.part(&format!("{}.wasm", self.name))
     }
 
     /// Its component, which must be built.
@@ -114,7 +116,16 @@ impl Project {
     /// The mission that it flies in.
     #[must_use]
     pub fn mission(&self) -> PathBuf {
-        self.folder.join("mission")
+        self.part("mission")
+    }
+
+    /// The path of a part, without `./` in front of it.
+    fn part(&self, name: &str) -> PathBuf {
+        if self.folder == Path::new(".") {
+            PathBuf::from(name)
+        } else {
+            self.folder.join(name)
+        }
     }
 
     /// Checks that its component is among those that its mission flies.
@@ -137,9 +148,11 @@ impl Project {
     #[must_use]
     pub fn newer_source(&self) -> Option<PathBuf> {
         let built = modified(&self.component())?;
-        let mut sources = vec![self.folder.join("Cargo.toml"), self.folder.join("Cargo.lock")];
-        collect(&self.folder.join("src"), &mut sources);
-        sources.into_iter().find(|source| modified(source).is_some_and(|at| at > built))
+        let mut sources = vec![self.part("Cargo.toml"), self.part("Cargo.lock")];
+        collect(&self.part("src"), &mut sources);
+        sources
+            .into_iter()
+            .find(|source| modified(source).is_some_and(|at| at > built))
     }
 
     /// Checks that the SDK is where the plugin looks for it.
@@ -150,7 +163,9 @@ impl Project {
     pub(crate) fn require_sdk(&self, kit: &Kit) -> Result<(), ToolError> {
         let (path, manifest) = manifest(&self.folder)?;
         let dependencies = manifest.get("dependencies");
-        let named = dependencies.and_then(|all| all.get("backseat-sdk")?.get("path")).and_then(Value::as_str);
+        let named = dependencies
+            .and_then(|all| all.get("backseat-sdk")?.get("path"))
+            .and_then(Value::as_str);
         match named.map(|sdk| self.folder.join(sdk)) {
             Some(sdk) if !sdk.join("Cargo.toml").is_file() => Err(ToolError::NoSdk {
                 manifest: path,
@@ -214,16 +229,28 @@ mod tests {
         let kit = Kit::ready_in(&place.path().join("kit")).unwrap();
         let project = Project::create(place.path(), "drift", &kit).unwrap();
         assert_eq!(Project::open(&place.path().join("drift")).unwrap(), project);
-        for part in ["src/lib.rs", "Cargo.lock", "README.md", ".gitignore", "mission/world.toml"] {
+        for part in [
+            "src/lib.rs",
+            "Cargo.lock",
+            "README.md",
+            ".gitignore",
+            "mission/world.toml",
+        ] {
             assert!(project.folder().join(part).is_file(), "{part}");
         }
         let hidden = fs::read_dir(place.path()).unwrap();
         assert_eq!(hidden.count(), 2, "the kit and the plugin");
         project.require_sdk(&kit).unwrap();
         let error = Project::create(place.path(), "drift", &kit).unwrap_err().to_string();
-        assert!(error.ends_with("drift: exists already: choose another name, or remove it"), "{error}");
+        assert!(
+            error.ends_with("drift: exists already: choose another name, or remove it"),
+            "{error}"
+        );
         fs::write(place.path().join("file"), "").unwrap();
-        assert!(matches!(Project::create(place.path(), "file", &kit), Err(ToolError::Exists { .. })));
+        assert!(matches!(
+            Project::create(place.path(), "file", &kit),
+            Err(ToolError::Exists { .. })
+        ));
     }
 
     #[test]
@@ -260,7 +287,8 @@ mod tests {
         let source = project.folder().join("src/lib.rs");
         let date = |path: &Path, seconds: u64| {
             let file = fs::File::options().write(true).open(path).unwrap();
-            file.set_modified(SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(seconds)).unwrap();
+            file.set_modified(SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(seconds))
+                .unwrap();
         };
         for file in ["Cargo.toml", "Cargo.lock"] {
             date(&project.folder().join(file), 1);

@@ -202,6 +202,16 @@ impl Report {
                 what: violation.clone(),
             }));
             trials.add(seed, &trial.report);
+            // The simulation knows the panic that led to a trap.
+            if let Some(first) = trial.report.plugin_first_failures.get(&table.name) {
+                let mut same = tally
+                    .faults
+                    .iter_mut()
+                    .filter(|fault| fault.seed == seed && fault.at_s == first.at_s);
+                if let Some(fault) = same.next() {
+                    fault.text.clone_from(&first.text);
+                }
+            }
         }
         let mut report = Self {
             file: component.path.clone(),
@@ -260,7 +270,9 @@ impl Trials {
         self.sim_seconds += report.sim_seconds;
         *self.outcomes.entry(report.outcome).or_default() += 1;
         let windows = report.control.windows.iter();
-        self.control_seconds += windows.map(|window| window.until_s.saturating_sub(window.from_s)).sum::<u64>();
+        self.control_seconds += windows
+            .map(|window| window.until_s.saturating_sub(window.from_s))
+            .sum::<u64>();
         self.unmet.extend(report.unmet.iter().map(|unmet| TrialFault {
             seed,
             what: unmet.clone(),
@@ -301,7 +313,11 @@ fn with(table: &PluginTable, holds: impl Fn(&Grant) -> bool) -> Vec<Grant> {
 
 /// Refuses a component that imports more than our interfaces before it is compiled.
 fn refuse_foreign_imports(component: &ComponentFile) -> Result<(), ToolError> {
-    let foreign = component.interface.imports.iter().find(|import| !import.starts_with("backseat:plugin/"));
+    let foreign = component
+        .interface
+        .imports
+        .iter()
+        .find(|import| !import.starts_with("backseat:plugin/"));
     match foreign {
         Some(import) => Err(ToolError::Component(HostError::Import {
             plugin: component.path.display().to_string(),
@@ -327,7 +343,10 @@ fn plugin_of(mission: &Mission, task: &Task<'_>) -> Result<usize, ToolError> {
     }
     let stem = |path: &Path| path.file_stem().map(std::ffi::OsStr::to_os_string);
     let own = stem(&task.component.path);
-    let mut same = tables.iter().enumerate().filter(|(_, table)| stem(Path::new(&table.component)) == own);
+    let mut same = tables
+        .iter()
+        .enumerate()
+        .filter(|(_, table)| stem(Path::new(&table.component)) == own);
     match (same.next(), same.next(), tables.as_slice()) {
         (Some((index, _)), None, _) => Ok(index),
         (None, None, [_]) => Ok(0),

@@ -43,7 +43,13 @@ impl Flights<'_> {
     }
 
     /// The same, measuring one plugin and counting what it did. The log of the flight is a temporary file.
-    pub(crate) fn measure(&self, seed: u64, stopwatch: Stopwatch, tally: &mut Tally, plugin: PluginId) -> Result<Trial, ToolError> {
+    pub(crate) fn measure(
+        &self,
+        seed: u64,
+        stopwatch: Stopwatch,
+        tally: &mut Tally,
+        plugin: PluginId,
+    ) -> Result<Trial, ToolError> {
         let flight = |source: SimError| ToolError::Flight { seed, source };
         let logged = |source| ToolError::Log { seed, source };
         let mut loaded = self.components.start(self.mission)?;
@@ -71,8 +77,7 @@ impl Flights<'_> {
             },
         };
         let recorder = Recorder::create(&path, &header).map_err(logged)?;
-        let simulation =
-            Simulation::new(self.mission, self.scenario, seed, loaded, Some(recorder)).map_err(flight)?;
+        let simulation = Simulation::new(self.mission, self.scenario, seed, loaded, Some(recorder)).map_err(flight)?;
         let report = fly_to_the_end(simulation).map_err(flight)?;
         let mut log = LogReader::open(&path).map_err(logged)?;
         tally.take_log(seed, &mut log).map_err(logged)?;

@@ -16,7 +16,10 @@ pub(super) fn new(arguments: &New) -> Result<bool> {
     let kit = Kit::ready()?;
     let project = Project::create(Path::new("."), &arguments.name, &kit)?;
     let name = project.name();
-    say!("made the plugin {name} in the folder {name}, with the SDK in {}", kit.sdk().display());
+    say!(
+        "made the plugin {name} in the folder {name}, with the SDK in {}",
+        kit.sdk().display()
+    );
     say!("  {name}/src/lib.rs  its behavior and its unit tests");
     say!("  {name}/mission     the mission of its test flights");
     say!("try: cd {name} && backseat plugin test");

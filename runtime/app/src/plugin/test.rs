@@ -69,7 +69,12 @@ fn fly(project: &Project, seeds: u64) -> Result<u64> {
 
 /// A flight in a line.
 fn line(folder: &Path, report: &Report) -> String {
-    let Report { seed, outcome, requests, .. } = report;
+    let Report {
+        seed,
+        outcome,
+        requests,
+        ..
+    } = report;
     let mut text = format!(
         "{}, seed {seed}: {outcome} after {:.1} min; {requests}",
         folder.display(),
@@ -77,7 +82,10 @@ fn line(folder: &Path, report: &Report) -> String {
     );
     let failures = report.plugin_first_failures.iter();
     for (plugin, first) in failures {
-        text.push_str(&format!("; plugin {plugin} failed at {:.1} s: {}", first.at_s, first.text));
+        text.push_str(&format!(
+            "; plugin {plugin} failed at {:.1} s: {}",
+            first.at_s, first.text
+        ));
     }
     if report.passed() {
         text.push_str("; all expectations met");

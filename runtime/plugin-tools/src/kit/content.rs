@@ -109,11 +109,17 @@ mod tests {
     #[test]
     fn every_manifest_names_only_what_is_in_the_kit_or_in_the_registry() {
         let content = Content::embedded();
-        let manifests: Vec<_> = content.files().filter(|(path, _)| path.ends_with("Cargo.toml")).collect();
+        let manifests: Vec<_> = content
+            .files()
+            .filter(|(path, _)| path.ends_with("Cargo.toml"))
+            .collect();
         assert_eq!(manifests.len(), 3);
         for (path, bytes) in manifests {
             let text = text(bytes);
-            assert!(!text.contains("workspace") && !text.contains("dev-dependencies"), "{path}:\n{text}");
+            assert!(
+                !text.contains("workspace") && !text.contains("dev-dependencies"),
+                "{path}:\n{text}"
+            );
             let manifest: toml::Table = text.parse().unwrap();
             for (name, dependency) in manifest["dependencies"].as_table().unwrap() {
                 if let Some(to) = dependency.get("path").and_then(toml::Value::as_str) {
@@ -122,7 +128,10 @@ mod tests {
                     let base: Vec<&str> = folder.trim_end_matches('/').split('/').collect();
                     let target = [&base[..base.len() - ups].join("/"), to.trim_start_matches("../")].join("/");
                     let target = format!("{}/Cargo.toml", target.trim_start_matches('/'));
-                    assert!(content.files().any(|(path, _)| path == target), "{path}: {name} is at {target}");
+                    assert!(
+                        content.files().any(|(path, _)| path == target),
+                        "{path}: {name} is at {target}"
+                    );
                 }
             }
         }
@@ -131,7 +140,9 @@ mod tests {
     #[test]
     fn another_content_has_another_name() {
         let of = |files: &[(&str, &str)]| {
-            let files = files.iter().map(|(path, text)| ((*path).to_owned(), text.as_bytes().to_vec()));
+            let files = files
+                .iter()
+                .map(|(path, text)| ((*path).to_owned(), text.as_bytes().to_vec()));
             Content::of(files.collect()).name().to_owned()
         };
         let names = [of(&[("ab", "c")]), of(&[("a", "bc")]), of(&[("ab", "d")]), of(&[])];

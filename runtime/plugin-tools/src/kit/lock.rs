@@ -6,10 +6,7 @@ use std::fmt::Write as _;
 use toml::{Table, Value};
 
 /// The crates of this project that a plugin is built from, with their folders.
-const OWN: [(&str, &str); 2] = [
-    ("backseat-sdk", "plugins/sdk"),
-    ("backseat-units", "runtime/units"),
-];
+const OWN: [(&str, &str); 2] = [("backseat-sdk", "plugins/sdk"), ("backseat-units", "runtime/units")];
 /// What a new plugin depends on.
 const OF_PLUGIN: [&str; 2] = ["backseat-sdk", "serde"];
 
@@ -38,13 +35,19 @@ impl<'a> Lock<'a> {
     pub(super) fn new(lock: &'a str, manifest: impl Fn(&str) -> &'a str) -> Self {
         Self {
             packages: packages(lock),
-            own: OWN.into_iter().map(|(name, folder)| (name, keys(manifest(folder)))).collect(),
+            own: OWN
+                .into_iter()
+                .map(|(name, folder)| (name, keys(manifest(folder))))
+                .collect(),
         }
     }
 
     /// The names of all packages that a plugin is built from.
     pub(crate) fn names(&self) -> BTreeSet<&'a str> {
-        self.reached().into_iter().map(|index| self.packages[index].name).collect()
+        self.reached()
+            .into_iter()
+            .map(|index| self.packages[index].name)
+            .collect()
     }
 
     /// The `Cargo.lock` of a new plugin.
@@ -104,9 +107,8 @@ impl<'a> Lock<'a> {
     fn find(&self, dependency: &str) -> usize {
         let mut words = dependency.split(' ');
         let (name, version) = (words.next().unwrap_or_default(), words.next());
-        let is_it = |package: &Package<'_>| {
-            package.name == name && version.is_none_or(|version| package.version == version)
-        };
+        let is_it =
+            |package: &Package<'_>| package.name == name && version.is_none_or(|version| package.version == version);
         let found = self.packages.iter().position(is_it);
         found.unwrap_or_else(|| panic!("Cargo.lock has no {dependency}"))
     }
@@ -125,8 +127,15 @@ impl<'a> Lock<'a> {
             .iter()
             .map(|&index| {
                 let Package { name, version, .. } = self.packages[index];
-                let versions = reached.iter().filter(|&&other| self.packages[other].name == name).count();
-                if versions > 1 { format!("{name} {version}") } else { name.to_owned() }
+                let versions = reached
+                    .iter()
+                    .filter(|&&other| self.packages[other].name == name)
+                    .count();
+                if versions > 1 {
+                    format!("{name} {version}")
+                } else {
+                    name.to_owned()
+                }
             })
             .collect();
         needs.sort();
@@ -161,7 +170,9 @@ fn packages(lock: &str) -> Vec<Package<'_>> {
                 version: value("version").expect("a package in Cargo.lock has a version"),
                 source: value("source"),
                 checksum: value("checksum"),
-                dependencies: listed.map(|line| line.trim().trim_end_matches(',').trim_matches('"')).collect(),
+                dependencies: listed
+                    .map(|line| line.trim().trim_end_matches(',').trim_matches('"'))
+                    .collect(),
             }
         })
         .collect()
@@ -184,20 +195,28 @@ mod tests {
         let text = lock.of_plugin("my-drift");
         let parsed: toml::Table = text.parse().unwrap();
         let packages = parsed["package"].as_array().unwrap();
-        let names: Vec<&str> = packages.iter().map(|package| package["name"].as_str().unwrap()).collect();
+        let names: Vec<&str> = packages
+            .iter()
+            .map(|package| package["name"].as_str().unwrap())
+            .collect();
         for name in ["my-drift", "backseat-sdk", "backseat-units", "serde", "wit-bindgen"] {
             assert_eq!(names.iter().filter(|known| **known == name).count(), 1, "{name}");
         }
         for name in ["proptest", "backseat-world", "wasmtime"] {
             assert!(!names.contains(&name), "{name}");
         }
-        let plugin = packages.iter().find(|package| package["name"].as_str() == Some("my-drift")).unwrap();
+        let plugin = packages
+            .iter()
+            .find(|package| package["name"].as_str() == Some("my-drift"))
+            .unwrap();
         assert_eq!(plugin["dependencies"].as_array().unwrap().len(), 2);
         let whole: toml::Table = super::super::content::LOCK.parse().unwrap();
         let known = whole["package"].as_array().unwrap();
         for package in packages.iter().filter(|package| package.get("source").is_some()) {
             let same = |other: &&toml::Value| {
-                ["name", "version", "source", "checksum"].iter().all(|key| other.get(key) == package.get(key))
+                ["name", "version", "source", "checksum"]
+                    .iter()
+                    .all(|key| other.get(key) == package.get(key))
             };
             assert!(known.iter().any(|other| same(&other)), "{package}");
         }

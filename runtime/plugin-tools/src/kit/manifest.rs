@@ -52,7 +52,12 @@ fn merged(inherited: &Value, own: &Value, up: &str) -> Table {
         let path = format!("{up}{path}");
         merged.insert("path".to_owned(), Value::String(path));
     }
-    for (key, value) in own.as_table().into_iter().flatten().filter(|(key, _)| *key != "workspace") {
+    for (key, value) in own
+        .as_table()
+        .into_iter()
+        .flatten()
+        .filter(|(key, _)| *key != "workspace")
+    {
         if let (Some(Value::Array(features)), Value::Array(more)) = (merged.get_mut(key), value) {
             features.extend(more.clone());
         } else {
@@ -109,7 +114,11 @@ mod tests {
             own = { version = "=0.60.0", features = ["macros"] }
         "#;
         let written = stand_alone(manifest, WORKSPACE, "plugins/x").unwrap();
-        assert_eq!(written.parse::<Table>().unwrap(), expected.parse::<Table>().unwrap(), "{written}");
+        assert_eq!(
+            written.parse::<Table>().unwrap(),
+            expected.parse::<Table>().unwrap(),
+            "{written}"
+        );
     }
 
     #[test]

@@ -26,7 +26,11 @@ mod tests {
                 found.map(|(_, value)| OsString::from(value))
             })
         };
-        let all = [("BACKSEAT_KIT", "/own"), ("XDG_DATA_HOME", "/xdg"), ("HOME", "/home/ann")];
+        let all = [
+            ("BACKSEAT_KIT", "/own"),
+            ("XDG_DATA_HOME", "/xdg"),
+            ("HOME", "/home/ann"),
+        ];
         assert_eq!(at(&all), Some("/own".into()));
         assert_eq!(at(&all[1..]), Some("/xdg/backseat/kit".into()));
         assert_eq!(at(&all[2..]), Some("/home/ann/.local/share/backseat/kit".into()));

@@ -24,7 +24,9 @@ pub(super) fn ready(place: &Path, content: &Content) -> Result<PathBuf, ToolErro
         }
         replace(place, &folder, content).map_err(failed)?;
     }
-    Err(failed(io::Error::other("it is changed again and again by something else")))
+    Err(failed(io::Error::other(
+        "it is changed again and again by something else",
+    )))
 }
 
 /// Whether every file of the kit is there with its content.
@@ -65,7 +67,9 @@ mod tests {
 
     fn names(place: &Path) -> Vec<String> {
         let entries = fs::read_dir(place).unwrap();
-        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+        entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect()
     }
 
     #[test]

@@ -8,14 +8,20 @@ pub(super) fn files(name: &str, kit: &Kit) -> Vec<(String, String)> {
     let mut files: Vec<(String, String)> = [
         ("Cargo.toml", manifest(name, kit)),
         ("Cargo.lock", content.lock().of_plugin(name)),
-        (".gitignore", "/target\n# What `backseat plugin build` makes.\n/*.wasm\n".to_owned()),
+        (
+            ".gitignore",
+            "/target\n# What `backseat plugin build` makes.\n/*.wasm\n".to_owned(),
+        ),
         ("README.md", readme(name)),
         ("mission/mission.toml", mission(name, content)),
     ]
     .map(|(path, text)| (path.to_owned(), text))
     .into();
     for (path, _) in content.files() {
-        if let Some(source) = path.strip_prefix("plugins/template/").filter(|path| path.starts_with("src/")) {
+        if let Some(source) = path
+            .strip_prefix("plugins/template/")
+            .filter(|path| path.starts_with("src/"))
+        {
             files.push((source.to_owned(), content.text(path).to_owned()));
         }
     }
@@ -84,7 +90,8 @@ fn replacements(name: &str) -> [(&'static str, String); 3] {
     [
         (
             "The start of a new mission: one plugin that holds a heading on one leg of the vehicle's plan. Copy this folder.",
-            "The mission in which `backseat plugin test` flies this plugin, on one leg of the vehicle's plan.".to_owned(),
+            "The mission in which `backseat plugin test` flies this plugin, on one leg of the vehicle's plan."
+                .to_owned(),
         ),
         (r#"name = "template""#, format!("name = \"{name}\"")),
         (r#"component = "template""#, format!("component = \"../{name}.wasm\"")),
@@ -106,13 +113,23 @@ mod tests {
         let content = Content::embedded();
         let original = content.text("missions/template/mission.toml");
         for (from, _) in replacements("drift") {
-            assert_eq!(original.matches(from).count(), 1, "missions/template/mission.toml: {from}");
+            assert_eq!(
+                original.matches(from).count(),
+                1,
+                "missions/template/mission.toml: {from}"
+            );
         }
         let place = tempfile::tempdir().unwrap();
         let kit = Kit::ready_in(place.path()).unwrap();
         for (path, text) in files("drift", &kit) {
-            assert!(!text.contains("\"template\"") && !text.contains("#:schema"), "{path}:\n{text}");
-            assert!(!text.contains("xtask"), "{path}: the author has no cargo xtask:\n{text}");
+            assert!(
+                !text.contains("\"template\"") && !text.contains("#:schema"),
+                "{path}:\n{text}"
+            );
+            assert!(
+                !text.contains("xtask"),
+                "{path}: the author has no cargo xtask:\n{text}"
+            );
         }
     }
 }

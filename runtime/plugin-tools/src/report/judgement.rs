@@ -32,11 +32,22 @@ impl Report {
             ));
         }
         let violations = self.violations.iter();
-        list(&mut objections, "violation", violations.map(|fault| format!("seed {}: {}", fault.seed, fault.what)));
+        list(
+            &mut objections,
+            "violation",
+            violations.map(|fault| format!("seed {}: {}", fault.seed, fault.what)),
+        );
         let unmet = self.trials.unmet.iter();
-        list(&mut objections, "expectation not met", unmet.map(|fault| format!("seed {}: {}", fault.seed, fault.what)));
+        list(
+            &mut objections,
+            "expectation not met",
+            unmet.map(|fault| format!("seed {}: {}", fault.seed, fault.what)),
+        );
         if self.log_lines_dropped > 0 {
-            objections.push(format!("{} of its log lines were dropped: it logs too much", self.log_lines_dropped));
+            objections.push(format!(
+                "{} of its log lines were dropped: it logs too much",
+                self.log_lines_dropped
+            ));
         }
         objections
     }
@@ -82,7 +93,11 @@ pub(super) fn percent(most: f64, limit: f64) -> f64 {
 }
 
 fn times(count: u64) -> String {
-    if count == 1 { "once".to_owned() } else { format!("{count} times") }
+    if count == 1 {
+        "once".to_owned()
+    } else {
+        format!("{count} times")
+    }
 }
 
 /// Adds the first of these, and how many more there are.

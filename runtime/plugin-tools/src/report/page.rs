@@ -23,10 +23,8 @@ impl fmt::Display for Report {
             writeln!(f, "remark: {remark}")?;
         }
         let plugin = &self.mission.plugin;
-        match self.objections.len() {
-            0 => write!(f, "no objection to {plugin} with this mission"),
-            count => write!(f, "{count} objections to {plugin} with this mission"),
-        }
+        let objections = count(self.objections.len(), "objection");
+        write!(f, "{objections} to {plugin} with this mission")
     }
 }
 
@@ -36,14 +34,26 @@ impl Report {
         row(f, "SHA-256", &self.sha256)?;
         row(f, "size", &used_kib(self.size_bytes))?;
         let Used { most, limit } = self.compile_seconds;
-        row(f, "compiled", &format!("in {most:.2} s of {limit:.0} s, on this computer"))?;
+        row(
+            f,
+            "compiled",
+            &format!("in {most:.2} s of {limit:.0} s, on this computer"),
+        )?;
         row(f, "interface", &listed(&self.interface))?;
-        row(f, "imports", &format!("{}; WASI: {}", listed(&self.imports), listed(&self.wasi)))?;
+        row(
+            f,
+            "imports",
+            &format!("{}; WASI: {}", listed(&self.imports), listed(&self.wasi)),
+        )?;
         if let Some(said) = &self.description {
             let topics: Vec<&str> = said.topics.iter().map(|topic| topic_name(*topic)).collect();
             let period_ms = said.step_period.as_secs_f64() * 1000.0;
             row(f, "it says", &format!("{} {}", said.name, said.version))?;
-            row(f, "steps", &format!("every {period_ms} ms; listens to: {}", listed(&topics)))?;
+            row(
+                f,
+                "steps",
+                &format!("every {period_ms} ms; listens to: {}", listed(&topics)),
+            )?;
         }
         Ok(())
     }
@@ -70,8 +80,19 @@ impl Report {
         let trials = &self.trials;
         writeln!(f, "trials: {}, with the seeds 1 to {}", trials.flown, trials.flown)?;
         let control_h = trials.control_seconds as f64 / 3600.0;
-        let outcomes: Vec<String> = trials.outcomes.iter().map(|(how, count)| format!("{count} {how}")).collect();
-        row(f, "flown", &format!("{:.1} h, {control_h:.1} h of them with control", trials.sim_seconds / 3600.0))?;
+        let outcomes: Vec<String> = trials
+            .outcomes
+            .iter()
+            .map(|(how, count)| format!("{count} {how}"))
+            .collect();
+        row(
+            f,
+            "flown",
+            &format!(
+                "{:.1} h, {control_h:.1} h of them with control",
+                trials.sim_seconds / 3600.0
+            ),
+        )?;
         row(f, "ended", &listed(&outcomes))?;
         row(f, "not met", &count(trials.unmet.len(), "expectation"))
     }
@@ -90,7 +111,11 @@ impl Report {
                 row(f, "", &format!("{count} x {how}"))?;
             }
             for refused in &tally.refusals {
-                row(f, "", &format!("  {} x refused, such as: {}", refused.count, refused.example))?;
+                row(
+                    f,
+                    "",
+                    &format!("  {} x refused, such as: {}", refused.count, refused.example),
+                )?;
             }
         }
         let lacked: Vec<Grant> = self.grants_lacked.keys().copied().collect();

@@ -8,7 +8,7 @@ fn help_names_every_command_and_what_it_does() {
     let help = Backseat::new().arg("--help").run().exit(0);
     assert_eq!(help.stderr, "");
     for command in [
-        "sim", "run", "fly", "mvc", "plc", "check", "replay", "log", "spi", "s7k", "explain",
+        "sim", "run", "fly", "mvc", "plc", "check", "replay", "log", "plugin", "spi", "s7k", "explain",
     ] {
         assert!(
             help.stdout.lines().any(|line| line.trim_start().starts_with(command)),

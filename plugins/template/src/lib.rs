@@ -2,7 +2,7 @@
 //!
 //! Change `step`. `cargo test` runs the tests below on this computer, without the runtime.
 
-use backseat_sdk::{Description, Event, Modify, Plugin, Request, State, StepInput, Vertical, log};
+use backseat_sdk::{Description, Event, Grant, Modify, Plugin, Request, State, StepInput, Vertical, log};
 use serde::Deserialize;
 
 /// The plugin's settings, read from `[plugin.config]` in the mission file. Each key names its unit.
@@ -42,6 +42,8 @@ impl Plugin for HoldHeading {
             // Every plugin receives outcomes, control, timers, restored and shutdown. List a topic here to receive
             // more, for example `Topic::Ctd`.
             topics: vec![],
+            // A mission that does not give these grants is refused.
+            grants: vec![Grant::Modify],
         }
     }
 

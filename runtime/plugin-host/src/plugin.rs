@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use backseat_core::Grant;
 use backseat_core::plugin::{
     Description, FaultKind, Judge, LogLine, PluginFault, Refusal, Request, Returned, StepInput,
 };
@@ -9,7 +10,8 @@ use crate::instance::{CALL_BYTES, Called, Instance, cut};
 use crate::lines::{self, Lines};
 use crate::measures::Measures;
 use crate::meter::Meter;
-use crate::{Budget, Component, HostError, v0_1_0};
+use crate::v0_2_0::bindings::backseat::plugin::mission::Briefing;
+use crate::{Brief, Budget, Component, HostError, v0_2_0};
 
 /// The largest snapshot, bytes.
 const SNAPSHOT_BYTES: usize = 1 << 20;
@@ -28,13 +30,13 @@ const OF_SNAPSHOT: &str = "snapshot: ";
 pub struct Plugin {
     component: Component,
     budget: Budget,
-    config_json: String,
+    briefing: Briefing,
     judge: Arc<dyn Judge>,
     deadline_ticks: Option<u64>,
     /// `None` after a fault that loses the instance.
     instance: Option<Instance>,
     /// The last step's input as the guest receives it, kept to reuse its allocations.
-    input: v0_1_0::Input,
+    input: v0_2_0::Input,
     snapshot: Option<Vec<u8>>,
     lines: Lines,
     measures: Measures,
@@ -58,6 +60,9 @@ pub struct Started {
     pub plugin: Plugin,
     /// The plugin's description of itself.
     pub description: Description,
+    /// The grants without which it cannot work, by its own word; the mission gives them all. Empty for a plugin that was
+    /// made for `wit/v0.1.0`, which cannot say.
+    pub needs: Vec<Grant>,
     /// The fuel used.
     pub fuel: u64,
     /// The lines that it logged.
@@ -81,75 +86,52 @@ impl Plugin {
     pub(crate) fn start(
         component: Component,
         budget: Budget,
-        config_json: &str,
+        brief: &Brief<'_>,
         judge: Arc<dyn Judge>,
     ) -> Result<Started, HostError> {
-        let mut plugin = Self::unstarted(component, budget, config_json, judge);
-        let (mut instance, description) = plugin.begin()?;
-        let left = plugin.init(&mut instance);
-        let log = lines::of_start(instance.take_log());
-        let left = left.map_err(|fault| plugin.cannot_start(with_last_line(fault, &log)))?;
-        plugin.instance = Some(instance);
-        Ok(Started {
-            fuel: plugin.budget.fuel_init - left,
-            description,
-            log,
-            plugin,
-        })
-    }
-
-    /// What a plugin says about itself, without `init`, for which it would need its configuration.
-    pub(crate) fn describe(component: Component, budget: Budget) -> Result<Description, HostError> {
-        let (_, description) = Self::unstarted(component, budget, "", Arc::new(NoFence)).begin()?;
-        Ok(description)
-    }
-
-    fn unstarted(component: Component, budget: Budget, config_json: &str, judge: Arc<dyn Judge>) -> Self {
-        Self {
+        let (mut instance, described) = begin(&component, &budget, judge.clone())?;
+        let v0_2_0::Described { description, needs } = described;
+        let name = component.name().to_owned();
+        let lacks = |grant: &Grant| !brief.grants.contains(grant);
+        let missing: Vec<Grant> = needs.iter().copied().filter(lacks).collect();
+        if !missing.is_empty() {
+            return Err(HostError::Grants { plugin: name, missing });
+        }
+        let mut plugin = Self {
             steps_to_snapshot: budget.snapshot_every_steps,
             component,
+            briefing: v0_2_0::briefing(brief, &budget),
             budget,
-            config_json: config_json.to_owned(),
             judge,
             deadline_ticks: None,
             instance: None,
-            input: v0_1_0::Input::default(),
+            input: v0_2_0::Input::default(),
             snapshot: None,
             inputs_since_snapshot: 0,
             lines: Lines::default(),
             measures: Measures::default(),
             meter: None,
-        }
+        };
+        let left = plugin.init(&mut instance);
+        let log = lines::of_start(instance.take_log());
+        let left = left.map_err(|fault| HostError::Start {
+            plugin: name,
+            fault: with_last_line(fault, &log),
+        })?;
+        plugin.instance = Some(instance);
+        Ok(Started {
+            fuel: plugin.budget.fuel_init - left,
+            description,
+            needs,
+            log,
+            plugin,
+        })
     }
 
-    /// Creates an instance and calls `describe`.
-    fn begin(&self) -> Result<(Instance, Description), HostError> {
-        let mut instance = self.instantiate().map_err(|fault| {
-            if fault.kind == FaultKind::Start {
-                HostError::Interface {
-                    plugin: self.component.name().to_owned(),
-                    interface: v0_1_0::INTERFACE,
-                    reason: fault.text,
-                }
-            } else {
-                self.cannot_start(fault)
-            }
-        })?;
-        let described = instance.call_on(CALL_BYTES, None, |exports, store| exports.call_describe(store));
-        let described = described.result.map_err(|fault| self.cannot_start(fault))?;
-        let description = v0_1_0::description(described).map_err(|(what, expected)| HostError::Description {
-            plugin: self.component.name().to_owned(),
-            what,
-            expected,
-        })?;
-        Ok((instance, description))
-    }
-
-    fn cannot_start(&self, fault: PluginFault) -> HostError {
-        HostError::Start {
-            plugin: self.component.name().to_owned(),
-            fault,
-        }
+    /// What a plugin says about itself, and the grants that it needs: without `init`, for which it would need a mission.
+    pub(crate) fn describe(component: &Component, budget: &Budget) -> Result<(Description, Vec<Grant>), HostError> {
+        let (_, described) = begin(component, budget, Arc::new(NoFence))?;
+        Ok((described.description, described.needs))
     }
 
     /// Runs one step. The returned fuel includes the snapshot's, if one was taken. A fault that loses the instance uses
@@ -211,7 +193,7 @@ impl Plugin {
             },
             Some(Stop::InStep { .. } | Stop::InSnapshot) | None => {
                 instance.call(fuel_max, CALL_BYTES, self.deadline_ticks, |exports, store| {
-                    exports.call_step(store, guest_input)
+                    exports.step(store, guest_input)
                 })
             }
         };
@@ -221,7 +203,7 @@ impl Plugin {
             meter.step(begun, used, instance.memory_bytes());
         }
         let mut result = result.and_then(|returned| match returned {
-            Ok(requests) => v0_1_0::requests(requests),
+            Ok(requests) => v0_2_0::requests(requests),
             Err(text) => Err(PluginFault {
                 kind: FaultKind::Error,
                 text: cut(&text).to_owned(),
@@ -248,7 +230,7 @@ impl Plugin {
                         self.budget.fuel_snapshot,
                         SNAPSHOT_BYTES,
                         self.deadline_ticks,
-                        |exports, store| exports.call_snapshot(store),
+                        |exports, store| exports.snapshot(store),
                     ),
                 };
                 fuel += taken.fuel;
@@ -368,7 +350,7 @@ impl Plugin {
     /// Calls `init` on the remaining fuel, and returns what is left.
     fn init(&self, instance: &mut Instance) -> Result<u64, PluginFault> {
         let called = instance.call_on(CALL_BYTES, self.deadline_ticks, |exports, store| {
-            exports.call_init(store, &self.config_json)
+            exports.init(store, &self.briefing)
         });
         called.result?.map_err(|text| PluginFault {
             kind: FaultKind::Start,
@@ -383,7 +365,7 @@ impl Plugin {
             return Ok(fuel);
         };
         let called = instance.call_on(CALL_BYTES, self.deadline_ticks, |exports, store| {
-            exports.call_restore(store, snapshot)
+            exports.restore(store, snapshot)
         });
         called.result?.map_err(|text| PluginFault {
             kind: FaultKind::Start,
@@ -391,6 +373,36 @@ impl Plugin {
         })?;
         Ok(instance.fuel_left())
     }
+}
+
+/// Creates an instance and calls `describe`.
+fn begin(
+    component: &Component,
+    budget: &Budget,
+    judge: Arc<dyn Judge>,
+) -> Result<(Instance, v0_2_0::Described), HostError> {
+    let name = || component.name().to_owned();
+    let start = |fault| HostError::Start { plugin: name(), fault };
+    let instance = Instance::new(component, budget, judge, budget.fuel_init, None);
+    let mut instance = instance.map_err(|fault| {
+        if fault.kind == FaultKind::Start {
+            HostError::Interface {
+                plugin: name(),
+                interface: component.interface().name(),
+                reason: fault.text,
+            }
+        } else {
+            start(fault)
+        }
+    })?;
+    let described = instance.call_on(CALL_BYTES, None, |exports, store| exports.describe(store));
+    let described = described.result.map_err(start)?;
+    let described = v0_2_0::description(described).map_err(|(what, expected)| HostError::Description {
+        plugin: name(),
+        what,
+        expected,
+    })?;
+    Ok((instance, described))
 }
 
 /// What ended in a recorded run when its wall-clock limit was reached.

@@ -3,6 +3,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+use backseat_core::Grant;
 use backseat_core::plugin::{Description, Topic};
 use backseat_plugin_host::{Budget, COMPONENT_BYTES, Host, HostError, check_form};
 use serde::{Serialize, Serializer};
@@ -79,10 +80,10 @@ impl ComponentFile {
         let name = self.path.display().to_string();
         let described = host
             .load(&name, &self.bytes)
-            .and_then(|component| component.describe(Budget::default()));
-        let (description, refusal) = match described {
-            Ok(description) => (Some(description), None),
-            Err(error) => (None, Some(error.to_string())),
+            .and_then(|component| component.describe(&Budget::default()));
+        let (description, needs, refusal) = match described {
+            Ok((description, needs)) => (Some(description), needs, None),
+            Err(error) => (None, Vec::new(), Some(error.to_string())),
         };
         Inspection {
             file: &self.path,
@@ -93,6 +94,7 @@ impl ComponentFile {
             imports: &self.interface.imports,
             exports: &self.interface.exports,
             description,
+            needs,
             refusal,
         }
     }
@@ -118,11 +120,19 @@ pub struct Inspection<'a> {
     /// What the plugin says about itself.
     #[serde(serialize_with = "description")]
     pub description: Option<Description>,
+    /// The grants without which it cannot work, by its own word.
+    pub needs: Vec<Grant>,
     /// Why it is no plugin that this program can run, in one line.
     pub refusal: Option<String>,
 }
 
 impl Inspection<'_> {
+    /// The names of the grants that it needs.
+    #[must_use]
+    pub fn needed(&self) -> Vec<&'static str> {
+        self.needs.iter().map(|grant| grant.name()).collect()
+    }
+
     /// What the plugin listens to, by the names in the interface.
     #[must_use]
     pub fn topics(&self) -> Vec<&'static str> {

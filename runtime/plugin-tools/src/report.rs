@@ -59,6 +59,8 @@ pub struct Report {
     /// What it says about itself.
     #[serde(serialize_with = "crate::component::description")]
     pub description: Option<Description>,
+    /// The grants without which it cannot work, by its own word. The mission gives them all, or it would not start.
+    pub needs: Vec<Grant>,
     /// What the mission gives to it.
     pub mission: OfMission,
     /// The trials.
@@ -181,7 +183,8 @@ impl Report {
         )?;
         let compiled = (task.stopwatch)().saturating_sub(begun);
         load_others(&mut components, host, &mission, task.plugins)?;
-        let description = components.start(&mission)?.setups.swap_remove(index).description;
+        let started = components.start_described(&table.component, &table, &mission)?;
+        let (description, needs) = (started.description, started.needs);
 
         let plugin = PluginId(index);
         let mut tally = Tally::new(plugin);
@@ -228,6 +231,7 @@ impl Report {
             imports: component.interface.imports.clone(),
             wasi: component.interface.wasi().into_iter().map(str::to_owned).collect(),
             description: Some(description),
+            needs,
             mission: OfMission {
                 folder: task.mission.to_path_buf(),
                 sha256: hash,

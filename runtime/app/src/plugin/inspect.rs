@@ -38,6 +38,7 @@ fn print(inspection: &Inspection<'_>) -> Result<()> {
         say!("  version    {}", said.version);
         say!("  steps      every {} ms", said.step_period.as_secs_f64() * 1000.0);
         say!("  topics     {}", listed(&inspection.topics()));
+        say!("  needs      {}", listed(&inspection.needed()));
     }
     say!("  interface  {}", listed(&inspection.interface));
     say!("  imports    {}", listed(inspection.imports));

@@ -11,6 +11,7 @@ mod cache;
 mod determinism;
 mod faults;
 mod fixture;
+mod interface;
 mod life_cycle;
 mod meter;
 mod round_trip;

@@ -2,6 +2,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
+use backseat_core::Grant;
 use backseat_core::plugin::FaultKind;
 use backseat_plugin_host::{Budget, Meter, Stopwatch, Usage};
 
@@ -68,12 +69,12 @@ fn a_step_that_fails_is_measured_too() {
 
 #[test]
 fn a_plugin_is_described_without_its_configuration() {
-    let description = components().template.describe(Budget::default()).unwrap();
-    assert_eq!(description.name, "template");
+    let (description, needs) = components().template.describe(&Budget::default()).unwrap();
+    assert_eq!((description.name.as_str(), needs), ("template", vec![Grant::Modify]));
     let poor = Budget {
         fuel_init: 10,
         ..Budget::default()
     };
-    let refused = components().template.describe(poor).unwrap_err().to_string();
+    let refused = components().template.describe(&poor).unwrap_err().to_string();
     assert_eq!(refused, "template: cannot be started: used all its fuel: 10 units");
 }

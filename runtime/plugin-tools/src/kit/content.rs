@@ -94,7 +94,7 @@ mod tests {
         for path in [
             "plugins/sdk/src/lib.rs",
             "runtime/units/src/lib.rs",
-            "wit/v0.1.0/plugin.wit",
+            "wit/v0.2.0/plugin.wit",
             "plugins/template/src/lib.rs",
             "missions/template/world.toml",
             "LICENSE-MIT",

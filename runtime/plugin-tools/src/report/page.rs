@@ -48,7 +48,16 @@ impl Report {
         if let Some(said) = &self.description {
             let topics: Vec<&str> = said.topics.iter().map(|topic| topic_name(*topic)).collect();
             let period_ms = said.step_period.as_secs_f64() * 1000.0;
-            row(f, "it says", &format!("{} {}", said.name, said.version))?;
+            row(
+                f,
+                "it says",
+                &format!(
+                    "{} {}; it needs the grants: {}",
+                    said.name,
+                    said.version,
+                    names(&self.needs)
+                ),
+            )?;
             row(
                 f,
                 "steps",

@@ -54,7 +54,12 @@ fn an_inspection_says_what_a_component_is() {
     };
     let object = inspect(&["--json"]).json();
     assert_eq!(object["bytes"], fs::metadata(&file).unwrap().len());
-    assert_eq!(object["interface"], json!(["backseat:plugin@0.1.0"]));
+    let interface = object["interface"].as_array().unwrap();
+    assert!(
+        interface.len() == 1 && interface[0].as_str().unwrap().starts_with("backseat:plugin@"),
+        "{object}"
+    );
+    assert_eq!(object["needs"], json!(["modify"]));
     assert_eq!(object["wasi"], json!([]));
     assert_eq!(object["description"]["name"], "isobath");
     assert!(
@@ -71,7 +76,10 @@ fn an_inspection_says_what_a_component_is() {
         .iter()
         .filter_map(Value::as_str)
         .collect();
-    assert!(imports.contains(&"backseat:plugin/log@0.1.0"), "{imports:?}");
+    assert!(
+        imports.iter().any(|import| import.starts_with("backseat:plugin/log@")),
+        "{imports:?}"
+    );
     assert!(
         imports.iter().all(|import| import.starts_with("backseat:plugin/")),
         "{imports:?}"
@@ -156,6 +164,7 @@ fn a_good_plugin_has_a_report_without_objections() {
     assert_eq!(report["passed"], true);
     assert_eq!(report["trials"]["outcomes"], json!({"completed": 3}));
     assert_eq!(report["mission"]["grants"], json!(["modify", "message"]));
+    assert_eq!(report["needs"], json!(["modify"]));
     assert_eq!(report["grants_used"], json!(["modify"]));
     assert_eq!(report["grants_unused"], json!(["message"]));
     assert_eq!(report["grants_lacked"], json!({}));
@@ -271,6 +280,39 @@ fn a_report_counts_refusals_and_the_grants_that_a_plugin_lacks() {
             .sum();
         assert_eq!(tally["made"], ends, "{kind}: {tally}");
     }
+}
+
+#[test]
+fn a_plugin_that_says_it_needs_a_grant_is_refused_without_it() {
+    let mission = Mission::copy("template").edit("mission.toml", "[\"modify\", \"message\"]", "[\"message\"]");
+    let line = check("template", &mission, &[]).refusal();
+    assert!(
+        line.contains("needs `modify`") || line.contains("needs modify"),
+        "{line}"
+    );
+}
+
+#[test]
+fn a_plugin_for_an_older_interface_is_checked_too() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("components/isobath-0.1.0.wasm");
+    let inspect = ["inspect", file.to_str().unwrap(), "--json"];
+    let shown = plugin(Path::new("/"), &inspect).run().exit(0).json();
+    assert_eq!(
+        (&shown["interface"], &shown["needs"]),
+        (&json!(["backseat:plugin@0.1.0"]), &json!([]))
+    );
+    let mission = Mission::copy("isobath");
+    let check = [
+        "check",
+        file.to_str().unwrap(),
+        "--mission",
+        mission.path().to_str().unwrap(),
+        "--seeds",
+        "1",
+        "--json",
+    ];
+    let report = plugin(Path::new("/"), &check).run().exit(0).json();
+    assert_eq!(report["grants_used"], json!(["modify"]), "{report}");
 }
 
 #[test]

@@ -200,7 +200,7 @@ fn modified(path: &Path) -> Option<SystemTime> {
 }
 
 /// Every file in a folder and below it.
-fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+pub(crate) fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
         if path.is_dir() {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::content::Content;
 use crate::error::ToolError;
-use crate::project::temporary;
+use crate::project::{collect, temporary};
 
 /// How often it is tried while other processes do the same.
 const ATTEMPTS: usize = 8;
@@ -29,8 +29,14 @@ pub(super) fn ready(place: &Path, content: &Content) -> Result<PathBuf, ToolErro
     )))
 }
 
-/// Whether every file of the kit is there with its content.
+/// Whether every file of the kit is there with its content, and no other. (Cargo would run a `build.rs` that is added to
+/// a crate.)
 fn is_whole(folder: &Path, content: &Content) -> bool {
+    let mut found = Vec::new();
+    collect(folder, &mut found);
+    if found.len() != content.files().count() {
+        return false;
+    }
     content
         .files()
         .all(|(path, bytes)| fs::read(folder.join(path)).is_ok_and(|found| found == bytes))
@@ -91,7 +97,8 @@ mod tests {
         let folder = ready(place.path(), content).unwrap();
         let file = folder.join("plugins/sdk/src/lib.rs");
         let whole = fs::read(&file).unwrap();
-        let damages: [&dyn Fn(); 4] = [
+        let damages: [&dyn Fn(); 5] = [
+            &|| fs::write(folder.join("plugins/sdk/build.rs"), "fn main() {}").unwrap(),
             &|| fs::write(&file, &whole[..100]).unwrap(),
             &|| fs::remove_file(&file).unwrap(),
             &|| {

@@ -312,7 +312,10 @@ fn a_plugin_for_an_older_interface_is_checked_too() {
         "--json",
     ];
     let report = plugin(Path::new("/"), &check).run().exit(0).json();
-    assert_eq!(report["grants_used"], json!(["modify"]), "{report}");
+    assert!(
+        report["requests"]["modify"]["accepted"].as_u64().unwrap() > 100,
+        "{report}"
+    );
 }
 
 #[test]

@@ -286,10 +286,7 @@ fn a_report_counts_refusals_and_the_grants_that_a_plugin_lacks() {
 fn a_plugin_that_says_it_needs_a_grant_is_refused_without_it() {
     let mission = Mission::copy("template").edit("mission.toml", "[\"modify\", \"message\"]", "[\"message\"]");
     let line = check("template", &mission, &[]).refusal();
-    assert!(
-        line.contains("needs `modify`") || line.contains("needs modify"),
-        "{line}"
-    );
+    assert!(line.contains("needs the grant modify: add it to `grants`"), "{line}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod manifest;
 mod place;
 mod unpacked;
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 pub(crate) use content::Content;
@@ -38,6 +39,12 @@ impl Kit {
     ///
     /// [`ToolError::Kit`] if it cannot be written.
     pub fn ready_in(place: &Path) -> Result<Self, ToolError> {
+        if place.to_str().is_none() {
+            return Err(ToolError::Kit {
+                path: place.to_path_buf(),
+                source: io::Error::other("the path is not UTF-8, so no Cargo.toml can name it"),
+            });
+        }
         let folder = unpacked::ready(place, Content::embedded())?;
         Ok(Self { folder })
     }

@@ -28,7 +28,7 @@ pub(crate) struct Check {
     #[arg(long, value_name = "DIR", value_parser = crate::cli::folder)]
     plugins: Option<PathBuf>,
     /// How many trials, with the seeds from 1 on
-    #[arg(long, default_value_t = 20, value_parser = value_parser!(u64).range(1..=100_000))]
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = value_parser!(u64).range(1..=100_000))]
     seeds: u64,
     /// Set a key of mission.toml, such as limits.speed_max_mps=1.8; overrides the file and the environment
     #[arg(long, value_name = "KEY=VALUE")]

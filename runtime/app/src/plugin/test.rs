@@ -19,7 +19,7 @@ pub(crate) struct Test {
     #[command(flatten)]
     folder: Folder,
     /// How many flights, with the seeds from 1 on
-    #[arg(long, default_value_t = 5, value_parser = value_parser!(u64).range(1..=100_000))]
+    #[arg(long, default_value_t = 5, value_name = "N", value_parser = value_parser!(u64).range(1..=100_000))]
     seeds: u64,
 }
 

@@ -106,6 +106,34 @@ fn every_command_explains_its_flags() {
 }
 
 #[test]
+fn the_tools_for_plugins_explain_themselves() {
+    for (command, parts) in [
+        ("new", ["<NAME>", "BACKSEAT_KIT"].as_slice()),
+        ("build", &["[DIR]", "NAME.wasm"]),
+        ("test", &["[DIR]", "--seeds <N>", "Exit code"]),
+        ("inspect", &["[FILE.wasm|DIR]", "--json", "Exit code"]),
+        (
+            "check",
+            &[
+                "[DIR|FILE.wasm]",
+                "--mission",
+                "--plugin <NAME>",
+                "--plugins <DIR>",
+                "--seeds <N>",
+                "--set",
+                "--json",
+                "Exit code",
+            ],
+        ),
+    ] {
+        let help = Backseat::new().args(["plugin", command, "--help"]).run().exit(0);
+        for part in parts {
+            assert!(help.stdout.contains(part), "{command} {part}: {help}");
+        }
+    }
+}
+
+#[test]
 fn wrong_usage_says_what_is_right() {
     let wrong = Backseat::new().arg("simulate").run().exit(2);
     assert!(wrong.stderr.contains("unrecognized subcommand 'simulate'"), "{wrong}");

@@ -26,8 +26,8 @@ pub(crate) enum Plugin {
     New(new::New),
     /// Build the component of a plugin, DIR/NAME.wasm
     ///
-    /// The same sources give the same component, byte for byte, wherever the folder is. It imports nothing of the system
-    /// (no WASI).
+    /// The same sources give the same component, byte for byte, wherever the folder is, as long as the SDK is at the same
+    /// place. It imports nothing of the system (no WASI).
     Build(Folder),
     /// Run a plugin's unit tests, build it, and fly its mission over some seeds
     ///

@@ -293,7 +293,10 @@ mod tests {
             events: vec![backseat_sdk::Event::MissionCommand("x".repeat(20_000))],
             ..StepInput::default()
         };
-        let requests = Echo(Config { answer: Answer::Input }).step(&input).unwrap();
+        let requests = Echo::new(Config { answer: Answer::Input })
+            .unwrap()
+            .step(&input)
+            .unwrap();
         let mut bytes = Vec::new();
         for request in &requests {
             let Request::Packet(packet) = request else {

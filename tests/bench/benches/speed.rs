@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use backseat_bench::{HEADER, Stages, best_stages, in_turn, row};
 use backseat_core::plugin::{NavigationSample, StepInput};
-use backseat_core::{Envelope, Limits};
+use backseat_core::{Envelope, Grant, Limits};
 use backseat_fence::Fence;
 use backseat_mission::{Layers, Mission};
 use backseat_mvc::ClientId;
-use backseat_plugin_host::{Budget, Host};
+use backseat_plugin_host::{Brief, Budget, Host};
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder, Sources};
 use backseat_scenario::Scenario;
@@ -67,8 +67,14 @@ fn step() {
         snapshot_every_steps: 0,
         ..Budget::default()
     };
+    let brief = Brief {
+        config_json: r#"{"heading_deg":90.0,"depth_m":10.0,"speed_mps":1.5}"#,
+        grants: &[Grant::Modify],
+        fence: judge.fence(),
+        limits: judge.limits(),
+    };
     let mut plugin = component
-        .start(budget, r#"{"heading_deg":90.0,"depth_m":10.0,"speed_mps":1.5}"#, judge)
+        .start(budget, &brief, judge.clone())
         .expect("it starts")
         .plugin;
     let mut input = StepInput {

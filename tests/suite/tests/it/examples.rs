@@ -195,7 +195,7 @@ fn without_its_grants_no_example_is_flown() {
             let said = format!("{refused}");
             assert!(said.contains(&format!("{example}: needs the grant")), "{said}");
             assert!(said.contains("to `grants` of this plugin in mission.toml"), "{said}");
-            refused.exit(if command == "sim" { 2 } else { 1 });
+            let _ = refused.exit(if command == "sim" { 2 } else { 1 });
         }
     }
 }

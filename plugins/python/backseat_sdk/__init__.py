@@ -17,9 +17,9 @@ give the same requests, in simulation and at sea::
                 return []
             return [Modify(tag=1, heading=0.0, vertical=Depth(10.0), speed=1.5, duration_ns=5 * SECOND_NS)]
 
-``python -m backseat_sdk.build DIR -o NAME.wasm`` makes a component of the ``plugin.py`` in a folder. Under plain Python,
-3.11 or later, the same module works without the runtime, and ``backseat_sdk.testing`` steps it. Inside the component runs
-Python 3.14 with its standard library and **without numpy** or any other package that has compiled code.
+``python -m backseat_sdk.build DIR -o NAME.wasm`` makes a component of the ``plugin.py`` in a folder. Under plain
+Python, 3.11 or later, the same module works without the runtime, and ``backseat_sdk.testing`` steps it. Inside the
+component runs Python 3.14 with its standard library and **without numpy** or any other package that has compiled code.
 """
 
 from . import fence, log, measures

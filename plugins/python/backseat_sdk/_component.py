@@ -66,7 +66,7 @@ def world(plugin_class: type[Plugin]) -> type:
             try:
                 instance.plugin = plugin_class()
                 try:
-                    settings = records.from_json(plugin_class.Config, config, "config")
+                    settings: Any = records.from_json(plugin_class.Config, config, "config")
                 except ValueError as error:
                     raise Refused(str(error)) from None
                 instance.plugin.init(settings)

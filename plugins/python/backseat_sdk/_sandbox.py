@@ -1,8 +1,8 @@
 """What a component does not have, replaced by what says so.
 
 A component has no WASI: a call that needs it ends the instance by a trap, which has no text. These replacements raise
-``NotInSandbox`` instead, with what to use in its place. They cover what an author is likely to write; a call from C code,
-such as ``datetime.now()``, still ends in a trap.
+``NotInSandbox`` instead, with what to use in its place. They cover what an author is likely to write; a call from C
+code, such as ``datetime.now()``, still ends in a trap.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The interface to the runtime, as componentize-py generates it: all that depends on its version.
 
-The dataclasses of the SDK have the names and fields of the interface's records. The cases of its variants are dataclasses
-of their own; the tables below say which. Only a component imports this module.
+The dataclasses of the SDK have the names and fields of the interface's records. The cases of its variants are
+dataclasses of their own; the tables below say which. Only a component imports this module.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Makes a component of a plugin: ``python -m backseat_sdk.build DIR -o NAME.wasm``.
 
 It needs componentize-py 0.25 in the same Python environment, and nothing else. The component has all that the plugin
-imports while it is built, and the state of its modules at that moment. Its imports are checked: it must need nothing but
-the runtime's own interface.
+imports while it is built, and the state of its modules at that moment. Its imports are checked: it must need nothing
+but the runtime's own interface.
 """
 
 from __future__ import annotations

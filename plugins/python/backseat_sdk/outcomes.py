@@ -112,7 +112,8 @@ class Edge:
 class Refusal:
     """Why a request is refused before it is sent.
 
-    - ``cause``: the exact cause: the name of a value ("speed") or of a state ("plan-unknown"), otherwise the rule's name.
+    - ``cause``: the exact cause: the name of a value ("speed") or of a state ("plan-unknown"), otherwise the rule's
+      name.
     - ``zone``: the zone of the fence, or the box, that the request breaches. ``edge``: the edge of that zone.
     - ``missing_m``: how far the request is from being allowed, metres; ``None`` if this is not a distance.
     - ``value``: the value that is out of range, in the request's unit; for a cap or a rate, what it would reach.

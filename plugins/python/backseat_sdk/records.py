@@ -13,7 +13,7 @@ import types
 from dataclasses import MISSING, fields, is_dataclass
 from difflib import get_close_matches
 from enum import Enum
-from functools import lru_cache
+from functools import cache
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from .values import Within
@@ -51,12 +51,12 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"the state has a {type(value).__name__}, which is none of the types that a snapshot can hold")
 
 
-@lru_cache(maxsize=None)
-def _hints(kind: type) -> dict[str, Any]:
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
     return get_type_hints(kind, include_extras=True)
 
 
-def _record(kind: type[T], data: Any, path: str, whole: str) -> T:
+def _record(kind: Any, data: Any, path: str, whole: str) -> Any:
     where = f"{whole}: {path}" if path else whole
     if not isinstance(data, dict):
         raise ValueError(f"{where}: {_told(data)}, expected a table")

@@ -134,9 +134,10 @@ class Topside:
 class DvlTrigger:
     """The payload's side of the handshake for triggering the DVL: BPDVR (SPI 7.4). (dvl)
 
-    Begin with only ``external`` set. Later requests with the same tag are steps of the same handshake. While the payload
-    triggers the DVL, repeat the request at least every 5 s. When ``DvlTriggerAllowed`` is false, answer within 1 s: with
-    both fields false to end the handshake, or with only ``external`` set to continue when the vehicle allows it again.
+    Begin with only ``external`` set. Later requests with the same tag are steps of the same handshake. While the
+    payload triggers the DVL, repeat the request at least every 5 s. When ``DvlTriggerAllowed`` is false, answer within
+    1 s: with both fields false to end the handshake, or with only ``external`` set to continue when the vehicle allows
+    it again.
 
     - ``external``: the payload wants to trigger the DVL.
     - ``triggering``: it is triggering the DVL now; allowed only after ``DvlTriggerAllowed`` was true.

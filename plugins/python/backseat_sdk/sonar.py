@@ -54,7 +54,8 @@ class SonarChannel:
     - ``ground_range``: the samples are spaced along the ground; if false, along the slant range.
     - ``range``: of the end of the last sample, metres.
     - ``start_ns``: from the ping to the begin of the first sample, ns.
-    - ``sample_ns``: from one sample to the next, ns: a mean, because samples that were made of several differ in length.
+    - ``sample_ns``: from one sample to the next, ns: a mean, because samples that were made of several differ in
+      length.
     - ``recorded``: how many samples the record has.
     - ``volts_per_step``: one step of the samples; ``None`` if the record does not have it. It can differ from ping to
       ping.

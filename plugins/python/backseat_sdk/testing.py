@@ -26,7 +26,7 @@ from .navigation import Navigation
 from .outcomes import Outcome, Refusal, State
 from .plugin import Plugin, Refused, check_class
 from .requests import Request, Timer
-from .values import Position, U64, Within
+from .values import Position, Within
 
 P = TypeVar("P", bound=Plugin)
 
@@ -163,7 +163,7 @@ class Harness(Generic[P]):
         def start() -> P:
             plugin = self._kind()
             try:
-                config = records.from_json(self._kind.Config, self._config, "config")
+                config: Any = records.from_json(self._kind.Config, self._config, "config")
             except ValueError as error:
                 raise Refused(str(error)) from None
             plugin.init(config)
@@ -180,8 +180,8 @@ class Harness(Generic[P]):
 
 
 def check_value(value: Any, kind: Any = Request) -> None:
-    """Checks a request, or another value for the runtime, as a component would: its type, and the type and range of each
-    field.
+    """Checks a request, or another value for the runtime, as a component would: its type, and the type and range of
+    each field.
 
     Raises ``TypeError`` or ``ValueError`` with the field.
     """

@@ -10,8 +10,8 @@ from backseat_sdk.testing import navigation
 
 
 def test_it_agrees_with_an_independent_projection():
-    # 40 30 N, 73 30 W in UTM zone 18 (scale 0.9996, false easting 500 km), as PROJ 9 computes it: the same numbers as in
-    # the tests of runtime/units/src/frame.rs.
+    # 40 30 N, 73 30 W in UTM zone 18 (scale 0.9996, false easting 500 km), as PROJ 9 computes it: the same numbers as
+    # in the tests of runtime/units/src/frame.rs.
     point = LocalFrame(Position(0.0, -75.0)).to_local(Position(40.5, -73.5))
     assert abs(point.east * 0.9996 + 500_000.0 - 627_103.0873) < 1e-3
     assert abs(point.north * 0.9996 - 4_484_335.4017) < 1e-3

@@ -15,6 +15,7 @@ import backseat_sdk
 import pytest
 from backseat_sdk import Depth, Modify, Plan, StepInput, build
 
+
 @pytest.fixture(scope="module")
 def wit(tmp_path_factory):
     """The module of conversions, with the generated types beside it."""
@@ -45,9 +46,7 @@ def test_the_builder_and_the_conversions_have_one_version(wit):
 
 
 def test_every_record_has_its_dataclass_with_the_same_fields(wit):
-    records = [
-        kind for name, kind in generated(wit).items() if is_dataclass(kind) and not is_case(name, kind)
-    ]
+    records = [kind for name, kind in generated(wit).items() if is_dataclass(kind) and not is_case(name, kind)]
     assert len(records) > 50
     for record in records:
         own = getattr(backseat_sdk, record.__name__)
@@ -66,9 +65,7 @@ CASES_OF = {
 
 
 def test_every_enum_has_the_same_members(wit):
-    enums = {
-        name: kind for name, kind in generated(wit).items() if issubclass(kind, enum.Enum)
-    }
+    enums = {name: kind for name, kind in generated(wit).items() if issubclass(kind, enum.Enum)}
     assert len(enums) == 8
     for name, kind in enums.items():
         assert [member.name for member in getattr(backseat_sdk, name)] == [member.name for member in kind], name

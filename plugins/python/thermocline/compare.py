@@ -1,8 +1,8 @@
 """Compares tracking with a plain yo-yo over the whole range of depths, on the same line, in the same seas.
 
-``python compare.py BACKSEAT PLUGINS --seeds 24`` flies both in simulation, with a thermocline whose depth, thickness and
-drop this script draws for each seed, and prints a table with the mean, the spread and the range over the seeds. It needs
-the package ``mcap``, to read the true depths from the logs.
+``python compare.py BACKSEAT PLUGINS --seeds 24`` flies both in simulation, with a thermocline whose depth, thickness
+and drop this script draws for each seed, and prints a table with the mean, the spread and the range over the seeds. It
+needs the package ``mcap``, to read the true depths from the logs.
 
 - ``in the layer``: the share of the CTD's samples that were truly taken within half a thickness of the thermocline's
   middle, percent.
@@ -42,7 +42,11 @@ def fly(program: str, plugins: str, seed: int, mode: str, folder: Path) -> dict[
     mission = folder / f"{mode}-{seed}" / "thermocline"
     shutil.copytree(MISSION, mission)
     world = (mission / "world.toml").read_text(encoding="utf-8")
-    for key, value in (("depth_m = 22.0", depth), ("thickness_m = [3.0, 8.0]", thickness), ("drop_c = [3.0, 8.0]", drop)):
+    for key, value in (
+        ("depth_m = 22.0", depth),
+        ("thickness_m = [3.0, 8.0]", thickness),
+        ("drop_c = [3.0, 8.0]", drop),
+    ):
         assert key in world, key
         world = world.replace(key, f"{key.split(' ')[0]} = {value:.3f}")
     # What the mission expects is about its own thermocline, and about tracking.

@@ -46,7 +46,9 @@ class Profile:
         does not make a peak. The depth of the peak is the mean depth of the bins around the strongest one, weighted by
         how far their gradients are above half of the strongest.
         """
-        means = [(depths / count, temperatures / count) for _, (count, depths, temperatures) in sorted(self.bins.items())]
+        means = [
+            (depths / count, temperatures / count) for _, (count, depths, temperatures) in sorted(self.bins.items())
+        ]
         if len(means) < 4:
             return None
         gradients = [(means[i][0], abs(_slope(means[max(0, i - 1) : i + 2]))) for i in range(len(means))]

@@ -1,14 +1,14 @@
 """Tracks the thermocline: finds the depth at which the temperature changes most, then crosses it again and again.
 
 The vehicle flies a straight line and goes up and down (a *yo-yo*). At first it sweeps the whole range of depths. At the
-end of each leg it takes the depth of the strongest vertical gradient from the leg's binned temperatures. Once it has one,
-it turns around a few metres above and below that depth, so that it spends its time in the layer, and corrects the depth
-with each crossing. If the gradient is lost, it sweeps the whole range again.
+end of each leg it takes the depth of the strongest vertical gradient from the leg's binned temperatures. Once it has
+one, it turns around a few metres above and below that depth, so that it spends its time in the layer, and corrects the
+depth with each crossing. If the gradient is lost, it sweeps the whole range again.
 
 Source: Zhang, Bellingham, Godin, Ryan, "Using an autonomous underwater vehicle to track the thermocline based on
-peak-gradient detection", IEEE Journal of Oceanic Engineering 37(3), 2012, 544-553. Differences: the paper turns around a
-fixed extension behind the peak of the same leg, while this plugin turns around a mean of the last peaks; and the peak is
-computed at the end of a leg.
+peak-gradient detection", IEEE Journal of Oceanic Engineering 37(3), 2012, 544-553. From the paper is the idea
+that the depth of the peak gradient of each leg steers the next ones; bins, weights and turning distances are this
+plugin's own.
 """
 
 from __future__ import annotations
@@ -216,4 +216,6 @@ class Thermocline(Plugin):
         measures.publish("gradient", peak.gradient, "degC/m")
         measures.publish("legs", state.legs)
         if len(state.peaks) > 2:
-            measures.publish("spread", math.sqrt(sum((each - mean) ** 2 for each in state.peaks) / len(state.peaks)), "m")
+            measures.publish(
+                "spread", math.sqrt(sum((each - mean) ** 2 for each in state.peaks) / len(state.peaks)), "m"
+            )

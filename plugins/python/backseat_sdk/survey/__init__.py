@@ -1,7 +1,7 @@
 """Tools for surveys: plane geometry on WGS84, lines, lawnmowers, inserts, timers, coverage, gradients, contours.
 
-Everything is plain Python: there is no numpy in the sandbox. What has a state is a dataclass that a plugin's ``State`` can
-have as a field, so that it survives a restart.
+Everything is plain Python: there is no numpy in the sandbox. What has a state is a dataclass that a plugin's ``State``
+can have as a field, so that it survives a restart.
 """
 
 from .contour import ContourFollower

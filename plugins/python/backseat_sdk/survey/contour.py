@@ -11,8 +11,8 @@ from .gradient import Slope
 
 @dataclass(frozen=True)
 class ContourFollower:
-    """The heading that brings a vehicle onto a contour and along it: line-of-sight guidance with the gradient's estimate
-    of where the contour is.
+    """The heading that brings a vehicle onto a contour and along it: line-of-sight guidance with the gradient's
+    estimate of where the contour is.
 
     - ``level``: the value of the contour.
     - ``higher_to_starboard``: the side on which the value is higher.

@@ -53,8 +53,8 @@ class PlaneFit:
             del self.points[: -self.keep]
 
     def at(self, place: Local) -> Slope | None:
-        """The plane around a place; ``None`` if the measurements do not determine it, because there are fewer than three
-        or they lie on a straight line."""
+        """The plane around a place; ``None`` if the measurements do not determine it, because there are fewer than
+        three or they lie on a straight line."""
         weighted = []
         for east, north, value in self.points:
             x, y = east - place.east, north - place.north

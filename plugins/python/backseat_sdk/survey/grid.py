@@ -67,9 +67,7 @@ class CoverageGrid:
 
     def unseen(self) -> list[Local]:
         """The centres of the cells that were not seen."""
-        return [
-            self.centre_of(*divmod(index, self.columns)) for index, count in enumerate(self.counts) if count == 0
-        ]
+        return [self.centre_of(*divmod(index, self.columns)) for index, count in enumerate(self.counts) if count == 0]
 
 
 def _between(least: float, most: float, cell: float, count: int) -> range:

@@ -53,7 +53,8 @@ class Insert:
 
 @dataclass
 class InsertQueue:
-    """Inserts that are asked for in their order, at most ``ahead`` at a time, so that the vehicle always has the next one.
+    """Inserts that are asked for in their order, at most ``ahead`` at a time, so that the vehicle always has the next
+    one.
 
     Call ``step`` in each step of the plugin, and return what it returns. The queue sets the tags, from ``next_tag`` on;
     tags of other requests of the plugin must be below. An insert that was refused for a reason that passes, was not

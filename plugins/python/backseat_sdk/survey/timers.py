@@ -43,9 +43,7 @@ class Timers:
     def expired(self, input: StepInput) -> list[str]:
         """The timers that have expired, and only once, in the order of their times."""
         numbers = {event.id for event in input.of(TimerExpired)}
-        over = [
-            (at, name) for name, (at, number) in self.due.items() if number in numbers or at <= input.now_ns
-        ]
+        over = [(at, name) for name, (at, number) in self.due.items() if number in numbers or at <= input.now_ns]
         for _, name in over:
             del self.due[name]
         return [name for _, name in sorted(over)]

@@ -1,4 +1,5 @@
-"""A plugin for tests: it does what its configuration says, at one of its steps, and otherwise what the template does."""
+"""A plugin for tests: it does what its configuration says, at one of its steps, and otherwise what the template
+does."""
 
 import datetime
 import random
@@ -91,9 +92,7 @@ class Faulty(Plugin):
             measures.publish("restarts", self.state.restarts)
             measures.publish("lost_steps", self.state.lost)
             measures.publish("tag_after_restart", self.state.tag)
-        if self.config.what is What.RAISE_ALWAYS or (
-            self.steps == self.config.at_step and self.state.restarts == 0
-        ):
+        if self.config.what is What.RAISE_ALWAYS or (self.steps == self.config.at_step and self.state.restarts == 0):
             self.fault()
         requests = []
         for name in self.state.timers.expired(input):

@@ -17,8 +17,8 @@ mod report;
 use std::collections::VecDeque;
 
 use backseat_sdk::{
-    Ctd, Description, Event, FRAME_BYTES, FRAMES, FrameOutcome, Modify, Packet, Plugin, ReceivedPacket, Request, Rule,
-    State as Fate, StepInput, Topic, Vertical, Window, log, measures,
+    Ctd, Description, Event, FRAME_BYTES, FRAMES, FrameOutcome, Grant, Modify, Packet, Plugin, ReceivedPacket, Request,
+    Rule, State as Fate, StepInput, Topic, Vertical, Window, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -95,6 +95,7 @@ impl Plugin for AcousticWindows {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: SECOND_NS,
             topics: vec![Topic::Acoustic, Topic::Ctd],
+            grants: vec![Grant::Acoustic, Grant::Modify],
         }
     }
 

@@ -1,8 +1,8 @@
 use backseat_sdk::sonar::coverage::{CoverageMap, MapState, NoiseFloor, PingStack, Place, Strip};
 use backseat_sdk::units::{EastNorth, LocalFrame, Position};
 use backseat_sdk::{
-    Description, Event, Navigation, Outcome, Plugin, Refusal, Request, Restored, Rule, SonarEvent, SonarPing, SonarSet,
-    SonarSetting, StepInput, Topic, Trackline, Vertical, fence, log, measures,
+    Description, Event, Grant, Navigation, Outcome, Plugin, Refusal, Request, Restored, Rule, SonarEvent, SonarPing,
+    SonarSet, SonarSetting, StepInput, Topic, Trackline, Vertical, fence, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -83,6 +83,7 @@ impl Plugin for Coverage {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: PERIOD_NS,
             topics: vec![Topic::Sidescan, Topic::Sonar],
+            grants: vec![Grant::Insert],
         }
     }
 

@@ -14,7 +14,7 @@
 //! this plugin changes `pulsing`, yours would switch that line.
 
 use backseat_sdk::{
-    Description, DvlTrigger, Event, Plugin, Request, Sample, State as Fate, StepInput, Topic, log, measures,
+    Description, DvlTrigger, Event, Grant, Plugin, Request, Sample, State as Fate, StepInput, Topic, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -92,6 +92,7 @@ impl Plugin for DvlTriggering {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: PERIOD_NS,
             topics: vec![Topic::Dvl],
+            grants: vec![Grant::Dvl],
         }
     }
 

@@ -1,11 +1,9 @@
 //! A plugin for tests of the interface between core and plugins: it logs every input, and makes every kind of request.
 
-use std::fmt::Write as _;
-
 use backseat_sdk::{
-    BottomPosition, Camera, Description, DvlTrigger, FRAME_BYTES, FRAMES, GpsHit, HullPosition, Light, Modify, Packet,
-    Plugin, Position, Request, Silent, SonarAngle, SonarLog, SonarSet, SonarSetting, Station, StationTarget, StepInput,
-    Timer, Topic, Topside, Trackcircle, Trackline, Transport, Vertical, fence, log,
+    BottomPosition, Briefing, Camera, Description, DvlTrigger, FRAME_BYTES, FRAMES, GpsHit, HullPosition, Light,
+    Modify, Packet, Plugin, Position, Request, Silent, SonarAngle, SonarLog, SonarSet, SonarSetting, Station,
+    StationTarget, StepInput, Timer, Topic, Topside, Trackcircle, Trackline, Transport, Vertical, fence, log,
 };
 use serde::Deserialize;
 
@@ -23,6 +21,8 @@ pub struct Config {
 pub enum Answer {
     /// With the step's whole input, as Rust's `Debug` formats it, in the frames of packets.
     Input,
+    /// With what it was told about its mission, in the same form.
+    Briefing,
     /// With [`every_request`].
     EveryRequest,
     /// With no requests. It asks the fence about each request of [`every_request`] and logs the answers.
@@ -30,8 +30,11 @@ pub enum Answer {
 }
 
 /// Echoes its input.
-#[derive(Clone, Copy, Debug)]
-pub struct Echo(Config);
+#[derive(Clone, Debug)]
+pub struct Echo {
+    config: Config,
+    briefing: Option<Briefing>,
+}
 
 impl Plugin for Echo {
     type Config = Config;
@@ -67,16 +70,23 @@ impl Plugin for Echo {
                 Topic::MissionCommand,
                 Topic::Ctd,
             ],
+            grants: vec![],
         }
     }
 
     fn new(config: Config) -> Result<Self, String> {
-        Ok(Self(config))
+        Ok(Self { config, briefing: None })
+    }
+
+    fn brief(&mut self, briefing: &Briefing) -> Result<(), String> {
+        self.briefing = Some(briefing.clone());
+        Ok(())
     }
 
     fn step(&mut self, input: &StepInput) -> Result<Vec<Request>, String> {
-        Ok(match self.0.answer {
-            Answer::Input => said_back(input),
+        Ok(match self.config.answer {
+            Answer::Input => said_back(&format!("{input:?}")),
+            Answer::Briefing => said_back(&format!("{:?}", self.briefing)),
             Answer::EveryRequest => every_request(),
             Answer::AskFence => {
                 for request in every_request() {
@@ -93,10 +103,7 @@ impl Plugin for Echo {
 
 backseat_sdk::export!(Echo);
 
-fn said_back(input: &StepInput) -> Vec<Request> {
-    let mut text = String::new();
-    // Writing to a String never fails.
-    let _ = write!(text, "{input:?}");
+fn said_back(text: &str) -> Vec<Request> {
     text.as_bytes()
         .chunks(FRAMES * FRAME_BYTES)
         .filter_map(|part| Packet::of(0, 0, 0, part, FRAME_BYTES))

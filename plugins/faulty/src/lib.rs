@@ -161,6 +161,7 @@ impl Plugin for Faulty {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: SECOND_NS,
             topics: vec![],
+            grants: vec![],
         }
     }
 

@@ -11,8 +11,8 @@
 //! - A GPS hit can end without a fix. Only `navigation.gps` says that there was one.
 
 use backseat_sdk::{
-    Description, EndKind, Event, GpsHit, Navigation, Plugin, Position, Request, Rule, State as Fate, StepInput, fence,
-    log, measures, units,
+    Description, EndKind, Event, GpsHit, Grant, Navigation, Plugin, Position, Request, Rule, State as Fate, StepInput,
+    fence, log, measures, units,
 };
 use serde::{Deserialize, Serialize};
 
@@ -70,6 +70,7 @@ impl Plugin for GpsHits {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: SECOND_NS,
             topics: vec![],
+            grants: vec![Grant::Surface],
         }
     }
 

@@ -14,7 +14,7 @@
 mod places;
 
 use backseat_sdk::{
-    Description, EndKind, Event, HullPosition, Light, Plugin, Relative, Request, Rule, State as Fate, Station,
+    Description, EndKind, Event, Grant, HullPosition, Light, Plugin, Relative, Request, Rule, State as Fate, Station,
     StationTarget, StepInput, Topic, log, measures,
 };
 use serde::{Deserialize, Serialize};
@@ -104,6 +104,7 @@ impl Plugin for HullInspection {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: PERIOD_NS,
             topics: vec![Topic::RelativeNavigation],
+            grants: vec![Grant::Station, Grant::Devices],
         }
     }
 

@@ -1,7 +1,7 @@
 use backseat_sdk::units::math::wrap_180;
 use backseat_sdk::{
-    Description, Event, Modify, Navigation, Outcome, Plugin, Request, State as Fate, StepInput, Vertical, fence, log,
-    measures,
+    Description, Event, Grant, Modify, Navigation, Outcome, Plugin, Request, State as Fate, StepInput, Vertical, fence,
+    log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -87,6 +87,7 @@ impl Plugin for Isobath {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: PERIOD_NS,
             topics: vec![],
+            grants: vec![Grant::Modify],
         }
     }
 

@@ -1,7 +1,7 @@
 use backseat_sdk::units::{EastNorth, Position};
 use backseat_sdk::{
-    Ctd, Description, Event, Navigation, Outcome, Plugin, Request, Restored, StepInput, Topic, Trackcircle, Trackline,
-    Vertical, fence, log, measures,
+    Ctd, Description, Event, Grant, Navigation, Outcome, Plugin, Request, Restored, StepInput, Topic, Trackcircle,
+    Trackline, Vertical, fence, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +54,7 @@ impl Plugin for Plume {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: PERIOD_NS,
             topics: vec![Topic::Ctd],
+            grants: vec![Grant::Insert],
         }
     }
 

@@ -62,6 +62,7 @@ impl Plugin for Prober {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: PERIOD_NS,
             topics: vec![Topic::Acoustic, Topic::RelativeNavigation],
+            grants: vec![],
         }
     }
 

@@ -1,8 +1,8 @@
 use backseat_sdk::sonar::{Detector, Look, Sightings, Verdict};
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{
-    Description, Event, Outcome, Plugin, Position, Request, Restored, SonarEvent, SonarPing, StepInput, Topic, Topside,
-    Trackcircle, Transport, fence, log, measures,
+    Description, Event, Grant, Outcome, Plugin, Position, Request, Restored, SonarEvent, SonarPing, StepInput, Topic,
+    Topside, Trackcircle, Transport, fence, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +48,7 @@ impl Plugin for Reinspect {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: PERIOD_NS,
             topics: vec![Topic::Sidescan, Topic::Sonar],
+            grants: vec![Grant::Insert],
         }
     }
 

@@ -1,4 +1,4 @@
-//! The code that `wit-bindgen` generates from the WIT world: the types, the three imports, and the export macro that
+//! The code that `wit-bindgen` generates from the WIT world: the types, the imports, and the export macro that
 //! [`crate::export!`] wraps. Plugins use the re-exports at the crate's root instead.
 
 #![allow(
@@ -13,7 +13,7 @@
 #![allow(clippy::all, clippy::wildcard_enum_match_arm, reason = "generated")]
 
 wit_bindgen::generate!({
-    path: "../../wit/v0.1.0",
+    path: "../../wit/v0.2.0",
     world: "plugin",
     pub_export_macro: true,
     export_macro_name: "export_component",

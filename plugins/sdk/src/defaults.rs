@@ -2,7 +2,7 @@
 
 use backseat_units as units;
 
-use crate::{Cartesian, Navigation, PlannedPoint, Position, Relative, StepInput};
+use crate::{Briefing, Budget, Cartesian, Limits, Navigation, PlannedPoint, Position, Relative, StepInput};
 
 impl From<units::Position> for Position {
     fn from(position: units::Position) -> Self {
@@ -114,6 +114,65 @@ impl Default for StepInput {
             cartesian: None,
             control: false,
             events: Vec::new(),
+        }
+    }
+}
+
+/// For unit tests: no configuration, no grants, no fence around 0 N 0 E, the limits and the budget of a mission that
+/// states as little as it may.
+impl Default for Briefing {
+    fn default() -> Self {
+        Self {
+            config: "{}".to_owned(),
+            grants: Vec::new(),
+            origin: Position {
+                latitude: 0.0,
+                longitude: 0.0,
+            },
+            zones: Vec::new(),
+            limits: Limits::default(),
+            budget: Budget::default(),
+        }
+    }
+}
+
+/// For unit tests: speeds from 1 to 2 m/s, turns of 8 degrees a second, a current of up to 0.3 m/s, and the defaults of
+/// `mission.toml`.
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            speed_min: 1.0,
+            speed_max: 2.0,
+            turn_rate: 8.0,
+            current_max: 0.3,
+            water_depth_min: None,
+            water_depth_max: None,
+            seabed_slope_max: 0.15,
+            navigation_error: 5.0,
+            tracking_error: 5.0,
+            vertical_error: 1.0,
+            lead_max: 50.0,
+            modify_duration_max_ns: 60_000_000_000,
+            inserts_open_max: 4,
+            inserts_total_max: 100,
+            inserts_duration_max_ns: 3_600_000_000_000,
+            requests_per_second: 20,
+            gps_hits_total_max: 10,
+            topside_per_minute: 6,
+            packets_per_minute: 12,
+        }
+    }
+}
+
+/// For unit tests: the defaults of `mission.toml`.
+impl Default for Budget {
+    fn default() -> Self {
+        Self {
+            fuel_per_step: 10_000_000,
+            fuel_init: 1_000_000_000,
+            fuel_snapshot: 10_000_000,
+            memory: 64 << 20,
+            snapshot_every_steps: 10,
         }
     }
 }

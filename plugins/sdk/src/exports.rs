@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use crate::{Plugin, Request, StepInput, log};
+use crate::{Briefing, Plugin, Request, StepInput, log};
 
 /// Holds the single instance of a component.
 pub type Slot<P> = RefCell<Option<P>>;
@@ -34,8 +34,8 @@ macro_rules! export {
                 fn describe() -> $crate::Description {
                     <$plugin as $crate::Plugin>::describe()
                 }
-                fn init(config: ::std::string::String) -> ::std::result::Result<(), ::std::string::String> {
-                    SLOT.with(|slot| $crate::exports::init(slot, &config))
+                fn init(briefing: $crate::Briefing) -> ::std::result::Result<(), ::std::string::String> {
+                    SLOT.with(|slot| $crate::exports::init(slot, &briefing))
                 }
                 fn step(
                     input: $crate::StepInput,
@@ -56,11 +56,13 @@ macro_rules! export {
     };
 }
 
-/// Creates the instance from its configuration.
-pub fn init<P: Plugin>(slot: &Slot<P>, config: &str) -> Result<(), String> {
+/// Creates the instance from its configuration, and tells it about the mission.
+pub fn init<P: Plugin>(slot: &Slot<P>, briefing: &Briefing) -> Result<(), String> {
     // A panic ends in a trap, which carries no text, so the message is logged first.
     std::panic::set_hook(Box::new(|panic| log::write(log::Level::Error, &panic.to_string())));
-    *slot.borrow_mut() = Some(P::new(parse(config)?)?);
+    let mut plugin = P::new(parse(&briefing.config)?)?;
+    plugin.brief(briefing)?;
+    *slot.borrow_mut() = Some(plugin);
     Ok(())
 }
 
@@ -108,6 +110,13 @@ mod tests {
 
     struct Counter(u8);
 
+    fn briefing(config: &str) -> Briefing {
+        Briefing {
+            config: config.to_owned(),
+            ..Briefing::default()
+        }
+    }
+
     impl Plugin for Counter {
         type Config = Config;
         fn describe() -> Description {
@@ -116,10 +125,17 @@ mod tests {
                 version: "1".into(),
                 step_period_ns: 1,
                 topics: vec![],
+                grants: vec![],
             }
         }
         fn new(config: Config) -> Result<Self, String> {
             Ok(Self(config.count))
+        }
+        fn brief(&mut self, briefing: &Briefing) -> Result<(), String> {
+            if briefing.limits.speed_max < 1.0 {
+                return Err("too slow".to_owned());
+            }
+            Ok(())
         }
         fn step(&mut self, _: &StepInput) -> Result<Vec<Request>, String> {
             self.0 += 1;
@@ -140,12 +156,21 @@ mod tests {
     fn an_instance_is_initialised_stepped_and_restored() {
         let slot = Slot::<Counter>::default();
         assert_eq!(step(&slot, &StepInput::default()).unwrap_err(), NOT_INITIALISED);
-        init(&slot, r#"{"count": 3}"#).unwrap();
+        init(&slot, &briefing(r#"{"count": 3}"#)).unwrap();
         step(&slot, &StepInput::default()).unwrap();
         assert_eq!(snapshot(&slot), [4]);
         restore(&slot, &[9]).unwrap();
         assert_eq!(snapshot(&slot), [9]);
         assert_eq!(restore(&slot, &[]).unwrap_err(), "empty state");
+    }
+
+    #[test]
+    fn a_plugin_may_refuse_the_mission() {
+        let mut slow = briefing(r#"{"count": 3}"#);
+        slow.limits.speed_max = 0.5;
+        let slot = Slot::<Counter>::default();
+        assert_eq!(init(&slot, &slow).unwrap_err(), "too slow");
+        assert!(slot.borrow().is_none());
     }
 
     #[test]

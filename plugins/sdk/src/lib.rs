@@ -6,7 +6,7 @@
 //! files and no network, so the same inputs give the same requests, in simulation and at sea.
 //!
 //! ```
-//! use backseat_sdk::{Description, Modify, NoConfig, Plugin, Request, StepInput, Vertical};
+//! use backseat_sdk::{Description, Grant, Modify, NoConfig, Plugin, Request, StepInput, Vertical};
 //!
 //! struct NorthAtTenMetres;
 //!
@@ -14,7 +14,13 @@
 //!     type Config = NoConfig;
 //!
 //!     fn describe() -> Description {
-//!         Description { name: "north".into(), version: "0.1.0".into(), step_period_ns: 1_000_000_000, topics: vec![] }
+//!         Description {
+//!             name: "north".into(),
+//!             version: "0.1.0".into(),
+//!             step_period_ns: 1_000_000_000,
+//!             topics: vec![],
+//!             grants: vec![Grant::Modify],
+//!         }
 //!     }
 //!
 //!     fn new(_: NoConfig) -> Result<Self, String> {
@@ -54,6 +60,11 @@
 //! restarted: the runtime creates an instance with [`Plugin::new`], calls [`Plugin::restore`] with the last snapshot,
 //! and sends an [`Event::Restored`]. An `Err` from `step` is recorded as a failure, but the instance continues.
 //!
+//! # The mission
+//! [`Plugin::brief`] is called once, after [`Plugin::new`], with what the mission is: the fence's zones as polygons of the
+//! local frame, the limits of requests, the plugin's grants and its budget. So a survey can be planned inside them.
+//! Whether a certain request passes is a question to [`fence::check`].
+//!
 //! # Requests and outcomes
 //! Most requests carry a `tag` that the plugin chooses. Each [`Event::Outcome`] reports a new [`State`] of the request
 //! with that tag. Use a new tag for each request that you want to follow.
@@ -66,7 +77,8 @@
 //!
 //! # Grants
 //! The runtime rejects a request that the mission does not grant to the plugin. A [`Request::Message`] has no outcome,
-//! and is dropped in that case. The operator lists the grants of each plugin in `mission.toml`:
+//! and is dropped in that case. A plugin's [`Description`] lists the grants without which it cannot do its work: a
+//! mission that does not give them is refused. The operator lists the grants of each plugin in `mission.toml`:
 //!
 //! ```toml
 //! [[plugin]]
@@ -109,15 +121,17 @@ mod request;
 pub mod sonar;
 
 pub use backseat_units as units;
+pub use bindings::backseat::plugin::mission::{
+    Area, Briefing, Budget, Description, Grant, KeepIn, Limits, Point, Zone,
+};
 pub use bindings::backseat::plugin::types::{
     AltitudeSource, Axes, Battery, Beams, Behavior, BottomPosition, Buoyancy, Camera, Cartesian, Compass, Ctd,
-    Decimation, Description, Dvl, DvlBeams, DvlTrigger, Edge, EndKind, Ended, Event, Failure, FrameOutcome, GpsHit,
-    HullPosition, Imu, Light, Modify, Navigation, Outcome, Packet, PingNavigation, PingTime, PlannedElement,
-    PlannedPoint, Position, Pressure, ReceivedFrame, ReceivedPacket, Refusal, Relative, Request, Restored, Rule,
-    Sample, SensorHealth, Servo, Silent, SonarAlarm, SonarAngle, SonarChannel, SonarEvent, SonarLog, SonarLogging,
-    SonarPing, SonarSet, SonarSetting, SonarSide, SoundVelocity, State, Station, StationTarget, StepInput, Surfaces,
-    Swath, Telemetry, Timer, Topic, Topside, TopsideMessage, Trackcircle, Trackline, Transport, Trim, VehicleSpeed,
-    Vertical, Window,
+    Decimation, Dvl, DvlBeams, DvlTrigger, Edge, EndKind, Ended, Event, Failure, FrameOutcome, GpsHit, HullPosition,
+    Imu, Light, Modify, Navigation, Outcome, Packet, PingNavigation, PingTime, PlannedElement, PlannedPoint, Position,
+    Pressure, ReceivedFrame, ReceivedPacket, Refusal, Relative, Request, Restored, Rule, Sample, SensorHealth, Servo,
+    Silent, SonarAlarm, SonarAngle, SonarChannel, SonarEvent, SonarLog, SonarLogging, SonarPing, SonarSet,
+    SonarSetting, SonarSide, SoundVelocity, State, Station, StationTarget, StepInput, Surfaces, Swath, Telemetry,
+    Timer, Topic, Topside, TopsideMessage, Trackcircle, Trackline, Transport, Trim, VehicleSpeed, Vertical, Window,
 };
 pub use plugin::{NoConfig, Plugin};
 pub use request::{FRAME_BYTES, FRAMES, TEXT_BYTES, is_plain};

@@ -1,7 +1,7 @@
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use crate::{Description, Request, StepInput};
+use crate::{Briefing, Description, Request, StepInput};
 
 /// A plugin. [`export!`](crate::export!) makes a component from a type that implements this trait.
 pub trait Plugin: Sized {
@@ -10,8 +10,8 @@ pub trait Plugin: Sized {
     /// into the names of keys (`depth_m`). Use [`NoConfig`] for a plugin without settings.
     type Config: DeserializeOwned;
 
-    /// Returns the plugin's name, version, step period (20 ms to 60 s), and the topics that it listens to beside the
-    /// events that every plugin receives.
+    /// Returns the plugin's name, version, step period (20 ms to 60 s), the topics that it listens to beside the events
+    /// that every plugin receives, and the grants that it needs.
     fn describe() -> Description;
 
     /// Creates an instance. Refuse invalid values here, so that the mission does not start, rather than in a step at
@@ -20,6 +20,16 @@ pub trait Plugin: Sized {
     /// # Errors
     /// One line with the key and what was expected. The mission does not start.
     fn new(config: Self::Config) -> Result<Self, String>;
+
+    /// Learns about the mission: fence, limits, grants and budget. Called once after [`Plugin::new`], also in a new
+    /// instance after a failure. Does nothing by default.
+    ///
+    /// # Errors
+    /// One line with what makes the mission impossible for this plugin, and what to change. The mission does not start.
+    fn brief(&mut self, briefing: &Briefing) -> Result<(), String> {
+        let _ = briefing;
+        Ok(())
+    }
 
     /// Runs one step: takes in what has happened since the last one, and returns the requests of now.
     ///

@@ -3,7 +3,7 @@
 //! Copy this folder, change the crate's name in `Cargo.toml`, and change `step`. `cargo test` runs the tests below on
 //! this computer; `cargo xtask plugins` builds the component for the runtime.
 
-use backseat_sdk::{Description, Event, Modify, Plugin, Request, State, StepInput, Vertical, log};
+use backseat_sdk::{Description, Event, Grant, Modify, Plugin, Request, State, StepInput, Vertical, log};
 use serde::Deserialize;
 
 /// The plugin's settings, read from `[plugin.config]` in the mission file. Each key names its unit.
@@ -43,6 +43,8 @@ impl Plugin for HoldHeading {
             // Every plugin receives outcomes, control, timers, restored and shutdown. List a topic here to receive
             // more, for example `Topic::Ctd`.
             topics: vec![],
+            // A mission that does not give these grants is refused.
+            grants: vec![Grant::Modify],
         }
     }
 

@@ -11,7 +11,7 @@
 //! - A step that fails is tried again, and is left out after the last try: the others may still be worth having.
 
 use backseat_sdk::{
-    Description, EndKind, Event, Plugin, Request, Sample, Silent, State as Fate, StepInput, Topic, log, measures,
+    Description, EndKind, Event, Grant, Plugin, Request, Sample, Silent, State as Fate, StepInput, Topic, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -91,6 +91,7 @@ impl Plugin for TrimAndBuoyancy {
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: SECOND_NS,
             topics: vec![Topic::VehicleSpeed, Topic::Trim, Topic::Buoyancy],
+            grants: vec![Grant::Buoyancy, Grant::Trim, Grant::Silent],
         }
     }
 

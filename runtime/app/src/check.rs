@@ -129,8 +129,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             },
         );
     }
-    let lacking = |setups| [without_pings(&mission, setups), missing::grants(&mission, setups)].concat();
-    let warnings = loaded.iter().flat_map(|loaded| lacking(&loaded.setups));
+    let warnings = loaded.iter().flat_map(|loaded| without_pings(&mission, &loaded.setups));
     for line in warnings.chain(missing::depths(&mission)) {
         say!("warning: {line}");
     }

@@ -42,7 +42,6 @@ mod service;
 mod sim;
 mod sonar;
 #[cfg(feature = "simulation")]
-#[cfg(feature = "simulation")]
 mod sonar_settings;
 #[cfg(feature = "simulation")]
 mod speed;

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use crate::error::MissionError;
 use crate::mission::{read, value};
+use crate::unknown::with_suggestion;
 
 /// The formats, in the order in which messages list them.
 const FILES: [&str; 3] = ["fence.geojson", "fence.plan", "fence.kml"];
@@ -92,7 +93,7 @@ pub(crate) fn read_text(
         }
         _ => Fence::from_geojson(&text),
     };
-    let fence = fence.map_err(|error| value(&path, error.to_string()))?;
+    let fence = fence.map_err(|error| value(&path, with_suggestion(&error.to_string())))?;
     let (text, as_read) = if file == "fence.geojson" && has_areas_alone(&text) {
         (text, None)
     } else {

@@ -19,8 +19,8 @@ pub(crate) fn with_new_name(message: &str) -> String {
     }
 }
 
-/// A message of the TOML parser, with the known name that an unknown one resembles most, in place of the list of all
-/// names. Without such a name, the message as it is.
+/// A message of the TOML parser or of the fence's reader, with the known name that an unknown one resembles most, in
+/// place of the list of all names. Without such a name, the message as it is.
 #[must_use]
 pub fn with_suggestion(message: &str) -> String {
     let Some(unknown) = Unknown::find(message) else {
@@ -49,9 +49,14 @@ struct Unknown<'a> {
 
 impl<'a> Unknown<'a> {
     fn find(message: &'a str) -> Option<Self> {
-        let begin = ["unknown field `", "unknown variant `", "unknown command `"]
-            .iter()
-            .find_map(|text| Some(message.find(text)? + text.len()))?;
+        let begin = [
+            "unknown field `",
+            "unknown key `",
+            "unknown variant `",
+            "unknown command `",
+        ]
+        .iter()
+        .find_map(|text| Some(message.find(text)? + text.len()))?;
         let (name, list) = message.get(begin..)?.split_once('`')?;
         let before = message.get(..begin + name.len() + 1)?;
         let mut after = list;
@@ -110,6 +115,10 @@ mod tests {
             (
                 "unknown variant `modfy`, expected one of `modify`, `insert`, `sonar` for key `plugin[0].grants`",
                 "unknown variant `modfy`: did you mean `modify`? for key `plugin[0].grants`",
+            ),
+            (
+                "feature 2 'pier': unknown key `marginn_m`, expected `name`, `margin_m` or `valid_until`",
+                "feature 2 'pier': unknown key `marginn_m`: did you mean `margin_m`?",
             ),
         ] {
             assert_eq!(with_suggestion(message), expected);

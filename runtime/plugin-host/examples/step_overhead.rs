@@ -6,14 +6,22 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use backseat_core::Limits;
 use backseat_core::plugin::{Judge, NavigationSample, Refusal, Request, StepInput};
-use backseat_plugin_host::{Budget, Host, Plugin};
+use backseat_fence::Fence;
+use backseat_plugin_host::{Brief, Budget, Host, Plugin};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 
 /// Steps of one measurement: few, so that some measurements run without interruption by another process.
 const STEPS: u64 = 2_000;
 /// The number of measurements; the best one counts.
 const MEASUREMENTS: u32 = 500;
+
+const FENCE: &str = r#"{"type": "FeatureCollection", "features": [{"type": "Feature",
+    "properties": {"name": "bay", "kind": "keep-in", "margin_m": 10, "depth_max_m": 30, "altitude_min_m": 3},
+    "geometry": {"type": "Polygon", "coordinates": [
+        [[-70.01, 41.99], [-69.99, 41.99], [-69.99, 42.01], [-70.01, 42.01], [-70.01, 41.99]]]}}]}"#;
+const LIMITS: &str = r#"{"speed_min_mps": 1.0, "speed_max_mps": 2.0, "turn_rate_dps": 8.0, "current_max_mps": 0.3}"#;
 
 struct Yes;
 
@@ -29,13 +37,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let began = Instant::now();
     let component = host.load("faulty", &std::fs::read(path)?)?;
     println!("load: {:?}", began.elapsed());
+    let fence = Fence::from_geojson(FENCE)?;
+    let limits: Limits = serde_json::from_str(LIMITS)?;
     let start = |config: &str, snapshot_every_steps| {
         let budget = Budget {
             snapshot_every_steps,
             ..Budget::default()
         };
+        let brief = Brief {
+            config_json: config,
+            grants: &[],
+            fence: &fence,
+            limits: &limits,
+        };
         component
-            .start(budget, config, Arc::new(Yes))
+            .start(budget, &brief, Arc::new(Yes))
             .map(|started| started.plugin)
     };
     let began = Instant::now();

@@ -1,3 +1,4 @@
+use backseat_core::Grant;
 use backseat_core::plugin::PluginFault;
 
 /// Why a plugin cannot be loaded or started. `plugin` is the name that the caller gave it.
@@ -88,6 +89,14 @@ pub enum HostError {
         /// The values that are allowed.
         expected: &'static str,
     },
+    /// The mission does not grant what the plugin needs.
+    #[error("{plugin}: needs {}: add {} to `grants` of this plugin in mission.toml", grants(missing), if missing.len() == 1 { "it" } else { "them" })]
+    Grants {
+        /// The plugin.
+        plugin: String,
+        /// The missing grants.
+        missing: Vec<Grant>,
+    },
     /// The plugin failed in `describe` or `init`.
     #[error("{plugin}: cannot be started: {}", fault.text)]
     Start {
@@ -96,6 +105,16 @@ pub enum HostError {
         /// The fault.
         fault: PluginFault,
     },
+}
+
+/// The grants as a text.
+fn grants(grants: &[Grant]) -> String {
+    let names: Vec<&str> = grants.iter().map(|grant| grant.name()).collect();
+    format!(
+        "the grant{} {}",
+        if names.len() == 1 { "" } else { "s" },
+        names.join(", ")
+    )
 }
 
 /// An engine's error in one line: wasmtime puts its chain of causes on several.

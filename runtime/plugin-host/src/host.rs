@@ -8,8 +8,9 @@ use wasmtime::{Config, Engine, OperatorCost, VariableOperatorCost};
 use crate::cache::{Cache, Key};
 use crate::error::{HostError, one_line};
 use crate::instance::State;
+use crate::interface::{Interface, Linked};
 use crate::plugin::{Plugin, Started};
-use crate::{Budget, inspection, v0_1_0};
+use crate::{Brief, Budget, inspection, interface};
 
 /// The largest component that is loaded by default, bytes. An interpreter with its library fits.
 pub const COMPONENT_BYTES: usize = 32 << 20;
@@ -47,7 +48,7 @@ struct Inner {
     name: String,
     engine: Engine,
     origin: Origin,
-    plugin: v0_1_0::bindings::PluginPre<State>,
+    plugin: Linked,
 }
 
 impl Host {
@@ -60,7 +61,7 @@ impl Host {
         let engine_error = |error: wasmtime::Error| HostError::Engine(one_line(&error));
         let engine = Engine::new(&config()).map_err(engine_error)?;
         let mut linker = Linker::new(&engine);
-        v0_1_0::link(&mut linker).map_err(engine_error)?;
+        interface::link(&mut linker).map_err(engine_error)?;
         Ok(Self {
             engine,
             linker: Arc::new(linker),
@@ -113,14 +114,14 @@ impl Host {
             Some(component) => (component, Origin::Cache),
             None => (self.compile_within(name, bytes, time_max)?, Origin::Compiled),
         };
-        inspection::require_plugin(&self.engine, name, &component)?;
-        let interface = |error: wasmtime::Error| HostError::Interface {
+        let interface = inspection::require_plugin(&self.engine, name, &component)?;
+        let mismatch = |error: wasmtime::Error| HostError::Interface {
             plugin: plugin(),
-            interface: v0_1_0::INTERFACE,
+            interface: interface.name(),
             reason: one_line(&error),
         };
-        let linked = self.linker.instantiate_pre(&component).map_err(interface)?;
-        let linked = v0_1_0::bindings::PluginPre::new(linked).map_err(interface)?;
+        let linked = self.linker.instantiate_pre(&component).map_err(mismatch)?;
+        let linked = Linked::new(interface, linked).map_err(mismatch)?;
         // Only plugins are kept.
         if let Some((cache, key)) = cached.filter(|_| origin == Origin::Compiled) {
             cache.keep(&key, &component);
@@ -184,22 +185,28 @@ impl Component {
         self.inner.origin
     }
 
-    /// Starts a plugin: creates an instance and calls `describe` and `init`. `config_json` is the plugin's
-    /// configuration from the mission file.
+    /// The version of the interface that it was made for.
+    #[must_use]
+    pub fn interface(&self) -> Interface {
+        self.inner.plugin.interface()
+    }
+
+    /// Starts a plugin: creates an instance and calls `describe` and `init`.
     ///
     /// # Errors
     ///
     /// [`HostError::Start`] if `describe` or `init` fails or exceeds its bounds, [`HostError::Description`] if the
-    /// description does, [`HostError::Interface`] if its functions have other types.
-    pub fn start(&self, budget: Budget, config_json: &str, judge: Arc<dyn Judge>) -> Result<Started, HostError> {
-        Plugin::start(self.clone(), budget, config_json, judge)
+    /// description does, [`HostError::Grants`] if the plugin needs a grant that the brief does not have,
+    /// [`HostError::Interface`] if its functions have other types.
+    pub fn start(&self, budget: Budget, brief: &Brief<'_>, judge: Arc<dyn Judge>) -> Result<Started, HostError> {
+        Plugin::start(self.clone(), budget, brief, judge)
     }
 
     pub(crate) fn engine(&self) -> &Engine {
         &self.inner.engine
     }
 
-    pub(crate) fn linked(&self) -> &v0_1_0::bindings::PluginPre<State> {
+    pub(crate) fn linked(&self) -> &Linked {
         &self.inner.plugin
     }
 }

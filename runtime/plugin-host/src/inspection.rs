@@ -4,7 +4,7 @@ use wasmtime::component::types::ComponentItem;
 
 use crate::error::{HostError, one_line};
 use crate::host::{COMPONENT_BYTES, Host};
-use crate::v0_1_0;
+use crate::interface::{EXPORTS, IMPORTS_TEXT, Interface};
 
 /// The imports and exports of a component.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,6 +15,8 @@ pub struct Inspection {
     pub exports: Vec<String>,
     /// Its size, bytes.
     pub size: usize,
+    /// The version of the interface that it was made for; `None` if it imports no version that the host knows.
+    pub interface: Option<Interface>,
 }
 
 /// Lists the imports and exports of any component, plugin or not.
@@ -27,8 +29,10 @@ pub fn inspect(bytes: &[u8]) -> Result<Inspection, HostError> {
     check_form("component", bytes, COMPONENT_BYTES)?;
     let component = compile(host.engine(), "component", bytes)?;
     let ty = component.component_type();
+    let imports: Vec<String> = ty.imports(host.engine()).map(|(name, _)| name.to_owned()).collect();
     Ok(Inspection {
-        imports: ty.imports(host.engine()).map(|(name, _)| name.to_owned()).collect(),
+        interface: imports.iter().find_map(|import| Interface::of_import(import)),
+        imports,
         exports: ty.exports(host.engine()).map(|(name, _)| name.to_owned()).collect(),
         size: bytes.len(),
     })
@@ -66,20 +70,25 @@ pub(crate) fn compile(engine: &Engine, name: &str, bytes: &[u8]) -> Result<Compo
     })
 }
 
-/// Checks that a component imports no more and exports no less than a plugin does.
-pub(crate) fn require_plugin(engine: &Engine, name: &str, component: &Component) -> Result<(), HostError> {
+/// Checks that a component imports no more and exports no less than a plugin of one version of the interface does, and
+/// returns the version. A component without imports counts as one of the newest.
+pub(crate) fn require_plugin(engine: &Engine, name: &str, component: &Component) -> Result<Interface, HostError> {
     let ty = component.component_type();
+    let mut found: Option<Interface> = None;
     for (import, _) in ty.imports(engine) {
-        if !v0_1_0::IMPORTS.contains(&import) {
+        let interface =
+            Interface::of_import(import).filter(|interface| found.is_none_or(|before| before == *interface));
+        if interface.is_none() {
             let (plugin, import) = (name.to_owned(), import.to_owned());
             return Err(HostError::Import {
                 plugin,
                 import,
-                allowed: v0_1_0::IMPORTS_TEXT,
+                allowed: IMPORTS_TEXT,
             });
         }
+        found = interface;
     }
-    let missing: Vec<&str> = v0_1_0::EXPORTS
+    let missing: Vec<&str> = EXPORTS
         .into_iter()
         .filter(|function| {
             !ty.get_export(engine, function)
@@ -87,7 +96,7 @@ pub(crate) fn require_plugin(engine: &Engine, name: &str, component: &Component)
         })
         .collect();
     if missing.is_empty() {
-        Ok(())
+        Ok(found.unwrap_or(Interface::V0_2_0))
     } else {
         Err(HostError::Exports {
             plugin: name.to_owned(),

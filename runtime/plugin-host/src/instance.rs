@@ -6,9 +6,9 @@ use backseat_core::plugin::{FaultKind, Judge, LogLevel, LogLine, PluginFault, St
 use wasmtime::{ResourceLimiter, Store, StoreContextMut, Trap};
 
 use crate::error::one_line;
+use crate::interface::Exports;
 use crate::measures::Published;
 use crate::plugin::DEADLINE;
-use crate::v0_1_0::bindings;
 use crate::{Budget, Component};
 
 /// Fuel for a log line, plus one unit for each of its bytes.
@@ -32,7 +32,7 @@ const NO_DEADLINE: u64 = u64::MAX / 2;
 /// A live instance. It is discarded after a fault.
 pub(crate) struct Instance {
     store: Store<State>,
-    exports: bindings::Plugin,
+    exports: Exports,
 }
 
 /// The result of a call.
@@ -109,7 +109,7 @@ impl Instance {
         fuel: u64,
         bytes: usize,
         deadline_ticks: Option<u64>,
-        call: impl FnOnce(&bindings::Plugin, &mut Store<State>) -> wasmtime::Result<T>,
+        call: impl FnOnce(&Exports, &mut Store<State>) -> wasmtime::Result<T>,
     ) -> Called<T> {
         set_fuel(&mut self.store, fuel);
         self.store.data_mut().fuel = fuel;
@@ -121,7 +121,7 @@ impl Instance {
         &mut self,
         bytes: usize,
         deadline_ticks: Option<u64>,
-        call: impl FnOnce(&bindings::Plugin, &mut Store<State>) -> wasmtime::Result<T>,
+        call: impl FnOnce(&Exports, &mut Store<State>) -> wasmtime::Result<T>,
     ) -> Called<T> {
         let fuel = self.fuel_left();
         self.store.set_epoch_deadline(deadline_ticks.unwrap_or(NO_DEADLINE));

@@ -30,21 +30,26 @@
 //! the budget. The caller decides whether and when to restart.
 
 mod allowance;
+mod brief;
 mod budget;
 mod cache;
 mod error;
 mod host;
 mod inspection;
 mod instance;
+mod interface;
 mod lines;
 mod measures;
 mod plugin;
 mod v0_1_0;
+mod v0_2_0;
 
+pub use brief::Brief;
 pub use budget::Budget;
 pub use cache::{Cache, Notice, PATIENCE, ROOM_BYTES};
 pub use error::HostError;
 pub use host::{COMPILE_TIME, COMPONENT_BYTES, Component, Host, Origin};
 pub use inspection::{Inspection, inspect};
 pub use instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL};
+pub use interface::Interface;
 pub use plugin::{PANICKED, Plugin, Restarted, Started};

@@ -1,11 +1,13 @@
 use std::sync::Arc;
 
+use backseat_core::Grant;
 use backseat_core::plugin::{Description, FaultKind, Judge, LogLine, PluginFault, Returned, StepInput};
 
 use crate::instance::{CALL_BYTES, Called, Instance, cut};
 use crate::lines::{self, Lines};
 use crate::measures::Measures;
-use crate::{Budget, Component, HostError, v0_1_0};
+use crate::v0_2_0::bindings::backseat::plugin::mission::Briefing;
+use crate::{Brief, Budget, Component, HostError, v0_2_0};
 
 /// The largest snapshot, bytes.
 const SNAPSHOT_BYTES: usize = 1 << 20;
@@ -24,13 +26,13 @@ const OF_SNAPSHOT: &str = "snapshot: ";
 pub struct Plugin {
     component: Component,
     budget: Budget,
-    config_json: String,
+    briefing: Briefing,
     judge: Arc<dyn Judge>,
     deadline_ticks: Option<u64>,
     /// `None` after a fault that loses the instance.
     instance: Option<Instance>,
     /// The last step's input as the guest receives it, kept to reuse its allocations.
-    input: v0_1_0::Input,
+    input: v0_2_0::Input,
     snapshot: Option<Vec<u8>>,
     lines: Lines,
     measures: Measures,
@@ -44,6 +46,9 @@ pub struct Started {
     pub plugin: Plugin,
     /// The plugin's description of itself.
     pub description: Description,
+    /// The grants without which it cannot work, by its own word; the mission gives them all. Empty for a plugin that was
+    /// made for `wit/v0.1.0`, which cannot say.
+    pub needs: Vec<Grant>,
     /// The fuel used.
     pub fuel: u64,
     /// The lines that it logged.
@@ -67,18 +72,18 @@ impl Plugin {
     pub(crate) fn start(
         component: Component,
         budget: Budget,
-        config_json: &str,
+        brief: &Brief<'_>,
         judge: Arc<dyn Judge>,
     ) -> Result<Started, HostError> {
         let mut plugin = Self {
             steps_to_snapshot: budget.snapshot_every_steps,
             component,
+            briefing: v0_2_0::briefing(brief, &budget),
             budget,
-            config_json: config_json.to_owned(),
             judge,
             deadline_ticks: None,
             instance: None,
-            input: v0_1_0::Input::default(),
+            input: v0_2_0::Input::default(),
             snapshot: None,
             inputs_since_snapshot: 0,
             lines: Lines::default(),
@@ -93,20 +98,26 @@ impl Plugin {
             if fault.kind == FaultKind::Start {
                 HostError::Interface {
                     plugin: name.clone(),
-                    interface: v0_1_0::INTERFACE,
+                    interface: plugin.component.interface().name(),
                     reason: fault.text,
                 }
             } else {
                 start(fault)
             }
         })?;
-        let described = instance.call_on(CALL_BYTES, None, |exports, store| exports.call_describe(store));
+        let described = instance.call_on(CALL_BYTES, None, |exports, store| exports.describe(store));
         let described = described.result.map_err(start)?;
-        let description = v0_1_0::description(described).map_err(|(what, expected)| HostError::Description {
-            plugin: name.clone(),
-            what,
-            expected,
-        })?;
+        let v0_2_0::Described { description, needs } =
+            v0_2_0::description(described).map_err(|(what, expected)| HostError::Description {
+                plugin: name.clone(),
+                what,
+                expected,
+            })?;
+        let lacks = |grant: &Grant| !brief.grants.contains(grant);
+        let missing: Vec<Grant> = needs.iter().copied().filter(lacks).collect();
+        if !missing.is_empty() {
+            return Err(HostError::Grants { plugin: name, missing });
+        }
         let left = plugin.init(&mut instance);
         let log = lines::of_start(instance.take_log());
         let left = left.map_err(|fault| start(with_last_line(fault, &log)))?;
@@ -114,6 +125,7 @@ impl Plugin {
         Ok(Started {
             fuel: plugin.budget.fuel_init - left,
             description,
+            needs,
             log,
             plugin,
         })
@@ -177,13 +189,13 @@ impl Plugin {
             },
             Some(Stop::InStep { .. } | Stop::InSnapshot) | None => {
                 instance.call(fuel_max, CALL_BYTES, self.deadline_ticks, |exports, store| {
-                    exports.call_step(store, guest_input)
+                    exports.step(store, guest_input)
                 })
             }
         };
         instance.set_step(None);
         let mut result = result.and_then(|returned| match returned {
-            Ok(requests) => v0_1_0::requests(requests),
+            Ok(requests) => v0_2_0::requests(requests),
             Err(text) => Err(PluginFault {
                 kind: FaultKind::Error,
                 text: cut(&text).to_owned(),
@@ -210,7 +222,7 @@ impl Plugin {
                         self.budget.fuel_snapshot,
                         SNAPSHOT_BYTES,
                         self.deadline_ticks,
-                        |exports, store| exports.call_snapshot(store),
+                        |exports, store| exports.snapshot(store),
                     ),
                 };
                 fuel += taken.fuel;
@@ -318,7 +330,7 @@ impl Plugin {
     /// Calls `init` on the remaining fuel, and returns what is left.
     fn init(&self, instance: &mut Instance) -> Result<u64, PluginFault> {
         let called = instance.call_on(CALL_BYTES, self.deadline_ticks, |exports, store| {
-            exports.call_init(store, &self.config_json)
+            exports.init(store, &self.briefing)
         });
         called.result?.map_err(|text| PluginFault {
             kind: FaultKind::Start,
@@ -333,7 +345,7 @@ impl Plugin {
             return Ok(fuel);
         };
         let called = instance.call_on(CALL_BYTES, self.deadline_ticks, |exports, store| {
-            exports.call_restore(store, snapshot)
+            exports.restore(store, snapshot)
         });
         called.result?.map_err(|text| PluginFault {
             kind: FaultKind::Start,

@@ -1,24 +1,26 @@
-//! The host's side of `wit/v0.1.0`: its imports, and the conversions between its types and those of core.
+//! The host's side of `wit/v0.1.0`: what differs from `wit/v0.2.0`. A plugin of this version is told its configuration
+//! alone, and does not say which grants it needs.
 
-use std::time::Duration;
+use crate::v0_2_0;
 
-use backseat_core::plugin as core;
-use backseat_core::refusal::Reason;
-use backseat_units::Timestamp;
-use wasmtime::StoreContextMut;
-use wasmtime::component::{Linker, WasmStr};
+/// The types of this version: those of the later one, and the description, which has another place there.
+#[allow(unreachable_pub, reason = "the generated code exports it again")]
+pub mod types {
+    use wasmtime::component::{ComponentType, Lift};
 
-use crate::instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL, State, charge, cut};
+    pub use crate::v0_2_0::bindings::backseat::plugin::types::*;
 
-mod description;
-mod event;
-mod outcome;
-mod request;
-mod sample;
-mod sonar;
-
-pub(crate) use description::description;
-pub(crate) use request::requests;
+    /// What a plugin says about itself.
+    #[derive(Clone, Debug, ComponentType, Lift)]
+    #[component(record)]
+    pub struct Description {
+        pub name: String,
+        pub version: String,
+        #[component(name = "step-period-ns")]
+        pub step_period_ns: u64,
+        pub topics: Vec<Topic>,
+    }
+}
 
 #[allow(
     missing_docs,
@@ -28,146 +30,28 @@ pub(crate) use request::requests;
     reason = "generated"
 )]
 pub(crate) mod bindings {
-    wasmtime::component::bindgen!({ path: "../../wit/v0.1.0", world: "plugin" });
+    wasmtime::component::bindgen!({
+        path: "../../wit/v0.1.0",
+        world: "plugin",
+        with: { "backseat:plugin/types": crate::v0_1_0::types },
+    });
 }
 
-use bindings::backseat::plugin::log::Level;
-use bindings::backseat::plugin::types as wit;
-
-/// The version of the interface in this file.
-pub(crate) const INTERFACE: &str = "backseat:plugin@0.1.0";
-/// The imports that a plugin may have. `types` has names only.
+/// The imports that a plugin may have. The last one has names only.
 pub(crate) const IMPORTS: [&str; 4] = [
-    "backseat:plugin/types@0.1.0",
     "backseat:plugin/log@0.1.0",
     "backseat:plugin/fence@0.1.0",
     "backseat:plugin/measures@0.1.0",
+    "backseat:plugin/types@0.1.0",
 ];
-/// The same as text for messages.
-pub(crate) const IMPORTS_TEXT: &str = "log, fence and measures of backseat:plugin@0.1.0";
-/// The exports that a plugin must have.
-pub(crate) const EXPORTS: [&str; 5] = ["describe", "init", "step", "snapshot", "restore"];
 
-/// Defines the imports.
-pub(crate) fn link(linker: &mut Linker<State>) -> wasmtime::Result<()> {
-    linker.instance(IMPORTS[0])?;
-    linker.instance(IMPORTS[1])?.func_wrap("write", write)?;
-    linker.instance(IMPORTS[2])?.func_wrap("check", check)?;
-    linker.instance(IMPORTS[3])?.func_wrap("publish", publish)
-}
-
-/// `log.write`. The text is read from the plugin's memory only if the line is kept.
-fn write(mut store: StoreContextMut<'_, State>, (level, text): (Level, WasmStr)) -> wasmtime::Result<()> {
-    charge(&mut store, LOG_FUEL)?;
-    if !store.data_mut().admit_line() {
-        return Ok(());
+/// A description as the later version has it.
+pub(crate) fn described(description: types::Description) -> v0_2_0::bindings::backseat::plugin::mission::Description {
+    v0_2_0::bindings::backseat::plugin::mission::Description {
+        name: description.name,
+        version: description.version,
+        step_period_ns: description.step_period_ns,
+        topics: description.topics,
+        grants: Vec::new(),
     }
-    let (line, bytes) = {
-        let text = text.to_str(&store)?;
-        (cut(&text).to_owned(), text.len())
-    };
-    charge(&mut store, bytes as u64)?;
-    let level = match level {
-        Level::Debug => core::LogLevel::Debug,
-        Level::Info => core::LogLevel::Info,
-        Level::Warn => core::LogLevel::Warn,
-        Level::Error => core::LogLevel::Error,
-    };
-    store.data_mut().write_line(level, line);
-    Ok(())
-}
-
-/// `measures.publish`.
-fn publish(
-    mut store: StoreContextMut<'_, State>,
-    (name, value, unit): (WasmStr, f64, WasmStr),
-) -> wasmtime::Result<()> {
-    charge(&mut store, PUBLISH_FUEL)?;
-    let (name, unit, bytes) = {
-        let (name, unit) = (name.to_str(&store)?, unit.to_str(&store)?);
-        let bytes = name.len() + unit.len();
-        (cut(&name).to_owned(), cut(&unit).to_owned(), bytes)
-    };
-    charge(&mut store, bytes as u64)?;
-    store.data_mut().publish(&name, value, &unit);
-    Ok(())
-}
-
-/// `fence.check`.
-fn check(
-    mut store: StoreContextMut<'_, State>,
-    (request,): (wit::Request,),
-) -> wasmtime::Result<(Result<f64, wit::Refusal>,)> {
-    charge(&mut store, FENCE_FUEL)?;
-    let state = store.data();
-    let Some(step) = state.step() else {
-        let refusal = core::Refusal::State(Reason::NotInStep);
-        return Ok((Err(wit::Refusal::from(&refusal)),));
-    };
-    Ok((state
-        .judge()
-        .judge(&core::Request::from(request), step)
-        .map_err(|refusal| wit::Refusal::from(&refusal)),))
-}
-
-/// A step's input as the guest receives it.
-pub(crate) struct Input(wit::StepInput);
-
-impl Default for Input {
-    fn default() -> Self {
-        Self(wit::StepInput {
-            now_ns: 0,
-            utc_ns: 0,
-            navigation: None,
-            relative: None,
-            cartesian: None,
-            control: false,
-            events: Vec::new(),
-        })
-    }
-}
-
-impl Input {
-    /// Replaces the previous input and reuses its allocations.
-    pub(crate) fn fill(&mut self, input: &core::StepInput) -> &wit::StepInput {
-        self.0.now_ns = input.now.as_nanos();
-        self.0.utc_ns = input.utc.as_unix_nanos();
-        self.0.control = input.control;
-        self.0.navigation = input
-            .navigation
-            .as_ref()
-            .map(|sample| sample::navigation(sample, input.now));
-        self.0.relative = input
-            .relative
-            .as_ref()
-            .map(|sample| sample::relative(sample, input.now));
-        self.0.cartesian = input
-            .cartesian
-            .as_ref()
-            .map(|sample| sample::cartesian(sample, input.now));
-        self.0.events.clear();
-        self.0
-            .events
-            .extend(input.events.iter().map(|happened| event::event(happened, input.now)));
-        &self.0
-    }
-}
-
-/// The age of a moment at the step, nanoseconds.
-fn age_ns(then: Timestamp, now: Timestamp) -> u64 {
-    nanos(now.since(then))
-}
-
-impl From<backseat_units::Position> for wit::Position {
-    fn from(position: backseat_units::Position) -> Self {
-        Self {
-            latitude: position.latitude.as_deg(),
-            longitude: position.longitude.as_deg(),
-        }
-    }
-}
-
-/// The nanoseconds of a duration between two timestamps, which always fit.
-fn nanos(duration: Duration) -> u64 {
-    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use backseat_core::PluginSetup;
 use backseat_core::plugin::Judge;
 use backseat_mission::{Mission, PluginTable};
-use backseat_plugin_host::{Budget, Component, Host, HostError, Plugin, Started};
+use backseat_plugin_host::{Brief, Budget, Component, Host, HostError, Plugin, Started};
 
 use crate::load::{LoadError, Loaded};
 
@@ -171,9 +171,15 @@ impl Compiled {
             plugin: table.name.clone(),
             message: error.to_string(),
         })?;
+        let brief = Brief {
+            config_json: &config,
+            grants: &table.grants,
+            fence: mission.envelope.fence(),
+            limits: mission.envelope.limits(),
+        };
         let judge: Arc<dyn Judge> = mission.envelope.clone();
         self.component
-            .start(budget, &config, judge)
+            .start(budget, &brief, judge)
             .map_err(|source| refused(&table.name, &self.path, source))
     }
 }

@@ -1,31 +1,5 @@
-use backseat_core::plugin::Topic;
-use backseat_core::{Grant, PluginSetup};
+use backseat_core::Grant;
 use backseat_mission::Mission;
-
-/// Topics that are about something for which a plugin can also ask, and the grant that it then needs.
-const ASKED_FOR: [(Topic, &str, Grant); 4] = [
-    (Topic::Acoustic, "acoustic packets", Grant::Acoustic),
-    (Topic::Trim, "trim", Grant::Trim),
-    (Topic::Buoyancy, "buoyancy", Grant::Buoyancy),
-    (Topic::RelativeNavigation, "relative navigation", Grant::Station),
-];
-
-/// Plugins that listen to something and may not ask for it. That can be meant, so it is a warning.
-pub(super) fn grants(mission: &Mission, setups: &[PluginSetup]) -> Vec<String> {
-    let mut lines = Vec::new();
-    for (setup, table) in setups.iter().zip(&mission.file.plugins) {
-        for (topic, what, grant) in ASKED_FOR {
-            if setup.description.topics.contains(&topic) && !table.grants.contains(&grant) {
-                lines.push(format!(
-                    "plugin {}: listens to {what}, but grants has no \"{}\": the runtime will reject such requests",
-                    setup.name,
-                    grant.name()
-                ));
-            }
-        }
-    }
-    lines
-}
 
 /// The depths of the water that `[limits]` lacks although a plugin may steer by altitude.
 pub(super) fn depths(mission: &Mission) -> Option<String> {

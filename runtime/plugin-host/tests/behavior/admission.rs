@@ -3,7 +3,7 @@ use std::time::Duration;
 
 use backseat_plugin_host::{Budget, Component, Host, HostError, inspect};
 
-use crate::fixture::{Latitude, components};
+use crate::fixture::{Latitude, brief, components};
 
 /// Compiles it, each time.
 fn load(bytes: &[u8]) -> Result<Component, HostError> {
@@ -77,11 +77,11 @@ fn a_damaged_component_never_panics() {
 fn other_imports_are_refused_by_name() {
     assert_eq!(
         refusal(&wat(r#"(component (import "wasi:cli/environment@0.2.0" (instance)))"#)),
-        "odd: imports wasi:cli/environment@0.2.0, but a plugin may import only log, fence and measures of backseat:plugin@0.1.0"
+        "odd: imports wasi:cli/environment@0.2.0, but a plugin may import only log, fence and measures of backseat:plugin@0.2.0 or @0.1.0"
     );
     assert_eq!(
-        refusal(&wat(r#"(component (import "backseat:plugin/log@0.2.0" (instance)))"#)),
-        "odd: imports backseat:plugin/log@0.2.0, but a plugin may import only log, fence and measures of backseat:plugin@0.1.0"
+        refusal(&wat(r#"(component (import "backseat:plugin/log@0.3.0" (instance)))"#)),
+        "odd: imports backseat:plugin/log@0.3.0, but a plugin may import only log, fence and measures of backseat:plugin@0.2.0 or @0.1.0"
     );
 }
 
@@ -101,14 +101,14 @@ fn a_component_that_is_no_plugin_is_refused() {
 #[test]
 fn exports_of_other_types_are_refused_at_the_latest_at_the_start() {
     let error = load(&wat(UNTYPED))
-        .and_then(|component| component.start(Budget::default(), "{}", Arc::new(Latitude)))
+        .and_then(|component| component.start(Budget::default(), &brief("{}"), Arc::new(Latitude)))
         .err()
         .expect("refused");
     assert!(matches!(error, HostError::Interface { .. }), "{error}");
     assert!(
         error
             .to_string()
-            .starts_with("odd: does not match the interface backseat:plugin@0.1.0: "),
+            .starts_with("odd: does not match the interface backseat:plugin@0.2.0: "),
         "{error}"
     );
 }
@@ -130,7 +130,11 @@ fn an_inspection_lists_imports_and_exports() {
     let inspection = inspect(&components().template_bytes).unwrap();
     assert_eq!(
         inspection.imports,
-        ["backseat:plugin/log@0.1.0", "backseat:plugin/types@0.1.0"]
+        [
+            "backseat:plugin/log@0.2.0",
+            "backseat:plugin/types@0.2.0",
+            "backseat:plugin/mission@0.2.0"
+        ]
     );
     assert_eq!(inspection.exports, ["describe", "init", "step", "snapshot", "restore"]);
     assert_eq!(inspection.size, components().template_bytes.len());

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use backseat_core::plugin::{FaultKind, PluginFault, Returned};
 use backseat_plugin_host::{Budget, HostError, LOG_FUEL, PUBLISH_FUEL};
 
-use crate::fixture::{Latitude, components, fault_kind, faulty, input, only_modify};
+use crate::fixture::{Latitude, brief, components, fault_kind, faulty, input, only_modify};
 
 #[test]
 fn memory_is_also_bounded_at_the_start() {
@@ -12,7 +12,10 @@ fn memory_is_also_bounded_at_the_start() {
         memory_bytes: 64 << 10,
         ..Budget::default()
     };
-    let refused = components().faulty.start(budget, "{}", Arc::new(Latitude)).err();
+    let refused = components()
+        .faulty
+        .start(budget, &brief("{}"), Arc::new(Latitude))
+        .err();
     assert!(
         matches!(&refused, Some(HostError::Start { fault, .. }) if fault.kind == FaultKind::Memory),
         "{:?}",
@@ -83,7 +86,7 @@ fn init_has_a_budget_of_its_own() {
     };
     let error = components()
         .faulty
-        .start(budget, "{}", Arc::new(Latitude))
+        .start(budget, &brief("{}"), Arc::new(Latitude))
         .err()
         .unwrap();
     assert_eq!(

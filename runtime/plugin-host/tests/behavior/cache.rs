@@ -10,7 +10,7 @@ use backseat_core::plugin::Returned;
 use backseat_plugin_host::{Budget, Cache, Component, Host, Notice, Origin, ROOM_BYTES};
 use tempfile::TempDir;
 
-use crate::fixture::{Latitude, components, input};
+use crate::fixture::{Latitude, brief, components, input};
 
 /// A cache in a folder of its own.
 struct Trial {
@@ -117,7 +117,7 @@ fn is_root() -> bool {
 fn flown(component: &Component) -> Vec<Returned> {
     let config = r#"{"heading_deg": 90.0, "depth_m": 10.0, "speed_mps": 1.5}"#;
     let mut plugin = component
-        .start(Budget::default(), config, Arc::new(Latitude))
+        .start(Budget::default(), &brief(config), Arc::new(Latitude))
         .unwrap()
         .plugin;
     (0..20).map(|second| plugin.step(&input(second))).collect()

@@ -6,7 +6,7 @@ use backseat_core::plugin::{EndCause, Failure};
 use backseat_core::refusal::ZoneRule;
 use backseat_plugin_host::{Budget, Host};
 
-use crate::fixture::{Latitude, breach, components, faulty, input, template};
+use crate::fixture::{Latitude, breach, brief, components, faulty, input, template};
 
 /// One input with an event of every kind.
 fn eventful(second: u64) -> StepInput {
@@ -54,7 +54,9 @@ fn eventful(second: u64) -> StepInput {
 
 fn run(component: &backseat_plugin_host::Component) -> Vec<Returned> {
     let config = r#"{"heading_deg": 90.0, "depth_m": 10.0, "speed_mps": 1.5}"#;
-    let mut started = component.start(Budget::default(), config, Arc::new(Latitude)).unwrap();
+    let mut started = component
+        .start(Budget::default(), &brief(config), Arc::new(Latitude))
+        .unwrap();
     (0..50)
         .map(|second| {
             started.plugin.step(&if second % 3 == 0 {

@@ -4,14 +4,14 @@ use std::time::Duration;
 use backseat_core::plugin::{Description, FaultKind};
 use backseat_plugin_host::{Budget, HostError};
 
-use crate::fixture::{Latitude, components, fault_kind, faulty, input, only_modify, template};
+use crate::fixture::{Latitude, brief, components, fault_kind, faulty, input, only_modify, template};
 
 #[test]
 fn a_plugin_describes_itself() {
     let config = r#"{"heading_deg": 90.0, "depth_m": 10.0, "speed_mps": 1.5}"#;
     let started = components()
         .template
-        .start(Budget::default(), config, Arc::new(Latitude))
+        .start(Budget::default(), &brief(config), Arc::new(Latitude))
         .unwrap();
     let expected = Description {
         name: "template".into(),
@@ -28,7 +28,7 @@ fn a_wrong_configuration_is_refused_with_its_key() {
     let start = |config| {
         components()
             .template
-            .start(Budget::default(), config, Arc::new(Latitude))
+            .start(Budget::default(), &brief(config), Arc::new(Latitude))
             .err()
             .unwrap()
     };

@@ -11,5 +11,6 @@ mod cache;
 mod determinism;
 mod faults;
 mod fixture;
+mod interface;
 mod life_cycle;
 mod round_trip;

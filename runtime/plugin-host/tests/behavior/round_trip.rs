@@ -3,13 +3,16 @@
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use backseat_core::plugin::{CartesianSample, Event, Judge, Refusal, RelativeSample, Request, StepInput, Topic};
+use backseat_core::plugin::{
+    CartesianSample, Event, Judge, Refusal, RelativeSample, Request, Returned, StepInput, Topic,
+};
 use backseat_core::refusal::ZoneRule;
-use backseat_plugin_host::{Budget, Started};
+use backseat_plugin_host::{Budget, Component, Started};
 use backseat_sdk as sdk;
 
-use crate::fixture::{Latitude, breach, components, input};
+use crate::fixture::{Latitude, breach, brief, components, input};
 
+mod briefing;
 mod events;
 mod requests;
 mod samples;
@@ -19,20 +22,24 @@ use events::events;
 use requests::every_request;
 use samples::samples;
 
-fn echo(answer: &str, judge: Arc<dyn Judge>) -> Started {
+/// The plugin in both versions of the interface.
+fn echoes() -> [&'static Component; 2] {
+    [&components().echo, &components().old_echo]
+}
+
+fn echo(component: &Component, answer: &str, judge: Arc<dyn Judge>) -> Started {
     let config = format!(r#"{{"answer": "{answer}"}}"#);
     // The plugin formats all of its input, which takes some fuel.
     let budget = Budget {
         fuel_per_step: 100_000_000,
         ..Budget::default()
     };
-    components().echo.start(budget, &config, judge).unwrap()
+    component.start(budget, &brief(&config), judge).unwrap()
 }
 
-/// What the guest received, in the form in which it logs it.
+/// The text that a step returned in the frames of packets.
 #[track_caller]
-fn heard(input: &StepInput) -> String {
-    let returned = echo("input", Arc::new(Latitude)).plugin.step(input);
+fn said_back(returned: Returned) -> String {
     let mut bytes = Vec::new();
     for request in returned.result.unwrap() {
         let Request::Packet(packet) = request else {
@@ -41,6 +48,20 @@ fn heard(input: &StepInput) -> String {
         bytes.extend(packet.frames.concat());
     }
     String::from_utf8(bytes).unwrap()
+}
+
+/// What the guest received, in the form in which it logs it.
+#[track_caller]
+fn heard(input: &StepInput) -> String {
+    let [new, old] = echoes().map(|component| {
+        let returned = echo(component, "input", Arc::new(Latitude)).plugin.step(input);
+        said_back(returned)
+    });
+    assert_eq!(
+        new, old,
+        "a plugin that was made for the older interface receives the same"
+    );
+    new
 }
 
 /// What a guest receives for [`input`], without the events.
@@ -174,7 +195,7 @@ fn navigation_of_every_kind_arrives_in_the_plugin() {
 
 #[test]
 fn a_plugin_receives_nothing_of_the_step_before() {
-    let mut plugin = echo("input", Arc::new(Latitude)).plugin;
+    let mut plugin = echo(&components().echo, "input", Arc::new(Latitude)).plugin;
     let step = input(1);
     let full = StepInput {
         relative: Some(RelativeSample {
@@ -211,10 +232,14 @@ fn a_plugin_receives_nothing_of_the_step_before() {
 
 #[test]
 fn every_request_arrives_in_core() {
-    let returned = echo("every_request", Arc::new(Latitude)).plugin.step(&input(0));
-    let requests = returned.result.unwrap();
-    // Compared as text, which distinguishes -0 from 0.
-    assert_eq!(format!("{requests:#?}"), format!("{:#?}", every_request()));
+    for component in echoes() {
+        let returned = echo(component, "every_request", Arc::new(Latitude))
+            .plugin
+            .step(&input(0));
+        let requests = returned.result.unwrap();
+        // Compared as text, which distinguishes -0 from 0.
+        assert_eq!(format!("{requests:#?}"), format!("{:#?}", every_request()));
+    }
 }
 
 /// Answers each request with a clearance of as many metres as there were requests, and keeps the requests.
@@ -234,52 +259,56 @@ impl Judge for Listening {
 
 #[test]
 fn the_fence_receives_every_request_unchanged() {
-    let judge = Arc::new(Listening::default());
-    let returned = echo("ask_fence", judge.clone()).plugin.step(&input(0));
-    assert_eq!(returned.result, Ok(vec![]));
-    let asked = judge.0.lock().unwrap();
-    assert_eq!(format!("{asked:#?}"), format!("{:#?}", every_request()));
-    let lines: Vec<&str> = returned.log.iter().map(|line| line.text.as_str()).collect();
-    // 32 lines are kept, and one says how many were not.
-    assert!(asked.len() > 32 && lines.len() == 33, "{} {}", asked.len(), lines.len());
-    assert_eq!(lines[0], "inside, with 1 m to spare");
-    assert_eq!(
-        lines[7],
-        "Rule::Surfacing: Some(0.5) m, surfacing: outside keep-in zone 'box', the nearest that allows surfacing, with its margin of \
-         5 m by 0.5 m at polygon 3 hole 2 edge 1 (latitude 42.500000 longitude -70.250000)"
-    );
+    for component in echoes() {
+        let judge = Arc::new(Listening::default());
+        let returned = echo(component, "ask_fence", judge.clone()).plugin.step(&input(0));
+        assert_eq!(returned.result, Ok(vec![]));
+        let asked = judge.0.lock().unwrap();
+        assert_eq!(format!("{asked:#?}"), format!("{:#?}", every_request()));
+        let lines: Vec<&str> = returned.log.iter().map(|line| line.text.as_str()).collect();
+        // 32 lines are kept, and one says how many were not.
+        assert!(asked.len() > 32 && lines.len() == 33, "{} {}", asked.len(), lines.len());
+        assert_eq!(lines[0], "inside, with 1 m to spare");
+        assert_eq!(
+            lines[7],
+            "Rule::Surfacing: Some(0.5) m, surfacing: outside keep-in zone 'box', the nearest that allows surfacing, with its margin of \
+             5 m by 0.5 m at polygon 3 hole 2 edge 1 (latitude 42.500000 longitude -70.250000)"
+        );
+    }
 }
 
 #[test]
 fn a_plugin_may_list_topics_in_any_order() {
-    let description = echo("input", Arc::new(Latitude)).description;
-    assert_eq!(
-        description.topics,
-        [
-            Topic::Ctd,
-            Topic::MissionCommand,
-            Topic::Behavior,
-            Topic::Logging,
-            Topic::Topside,
-            Topic::Acoustic,
-            Topic::Plan,
-            Topic::Telemetry,
-            Topic::SoundVelocity,
-            Topic::Compass,
-            Topic::Pressure,
-            Topic::VehicleSpeed,
-            Topic::Battery,
-            Topic::Surfaces,
-            Topic::Dvl,
-            Topic::DvlBeams,
-            Topic::Imu,
-            Topic::Servo,
-            Topic::Trim,
-            Topic::Buoyancy,
-            Topic::RelativeNavigation,
-            Topic::Sidescan,
-            Topic::SubBottom,
-            Topic::Sonar,
-        ]
-    );
+    for component in echoes() {
+        let description = echo(component, "input", Arc::new(Latitude)).description;
+        assert_eq!(description.topics, TOPICS);
+    }
 }
+
+/// In the order of core.
+const TOPICS: [Topic; 24] = [
+    Topic::Ctd,
+    Topic::MissionCommand,
+    Topic::Behavior,
+    Topic::Logging,
+    Topic::Topside,
+    Topic::Acoustic,
+    Topic::Plan,
+    Topic::Telemetry,
+    Topic::SoundVelocity,
+    Topic::Compass,
+    Topic::Pressure,
+    Topic::VehicleSpeed,
+    Topic::Battery,
+    Topic::Surfaces,
+    Topic::Dvl,
+    Topic::DvlBeams,
+    Topic::Imu,
+    Topic::Servo,
+    Topic::Trim,
+    Topic::Buoyancy,
+    Topic::RelativeNavigation,
+    Topic::Sidescan,
+    Topic::SubBottom,
+    Topic::Sonar,
+];

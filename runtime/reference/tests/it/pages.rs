@@ -46,6 +46,27 @@ fn the_schemas_accept_our_missions_and_nothing_misspelt() {
     }
 }
 
+/// A box to stay in lies on the outer side of the hull, and a box to keep out of may reach into it.
+#[test]
+fn a_box_to_keep_out_of_may_begin_inside_the_hull() {
+    let validator = jsonschema::draft7::new(&schema(Reference::of("mission").unwrap())).unwrap();
+    let mission = "
+        [[limits.station.keep_out_hull]]
+        horizontal_min_m = -1.0
+        horizontal_max_m = 1.0
+        vertical_min_m = -1.0
+        vertical_max_m = 1.0
+        distance_min_m = -0.5
+        distance_max_m = 3.0";
+    let within = "/limits/station/keep_out_hull";
+    let refused: Vec<String> = validator
+        .iter_errors(&as_json(mission))
+        .filter(|error| error.instance_path.to_string().starts_with(within))
+        .map(|error| error.to_string())
+        .collect();
+    assert!(refused.is_empty(), "{refused:?}");
+}
+
 #[test]
 fn missions_name_their_schema_for_editors() {
     for name in ["isobath", "plume", "template"] {

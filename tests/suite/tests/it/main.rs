@@ -8,6 +8,7 @@ mod fence;
 mod help;
 mod log_export;
 mod log_judge;
+mod older_plugin;
 mod predive;
 mod prober;
 mod real_time;

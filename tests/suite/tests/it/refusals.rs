@@ -38,7 +38,10 @@ fn an_unknown_key_is_named_with_its_line_in_each_file() {
         ],
     );
     let line = refusal(&Mission::steady().edit("fence.geojson", "\"margin_m\"", "\"margin\""));
-    names(&line, &["fence.geojson", "margin", "expected"]);
+    names(
+        &line,
+        &["fence.geojson", "unknown key `margin`: did you mean `margin_m`?"],
+    );
 }
 
 #[test]

@@ -40,16 +40,15 @@ fn water_of_unknown_depth_is_a_warning_if_a_plugin_steers() {
 }
 
 #[test]
-fn a_plugin_that_listens_to_what_it_may_not_ask_for_is_a_warning() {
+fn a_grant_that_a_plugin_needs_is_named() {
     let granted = Mission::copy("trim-and-buoyancy");
-    assert!(!ready(&granted, &[]).contains("warning: plugin"));
+    ready(&granted, &[]);
     let trim = granted.edit("mission.toml", "\"buoyancy\", ", "");
-    let said = ready(&trim, &[]);
+    let refused = Backseat::new().arg("check").mission(&trim).run().exit(1);
     has(
-        &said,
-        &["warning: plugin trim-and-buoyancy: listens to buoyancy, but grants has no \"buoyancy\""],
+        &refused.stdout,
+        &["trim-and-buoyancy: needs the grant buoyancy: add it to `grants` of this plugin in mission.toml"],
     );
-    assert!(!said.contains("listens to trim, but"), "{said}");
 }
 
 #[test]

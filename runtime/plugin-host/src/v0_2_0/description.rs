@@ -1,8 +1,9 @@
 use std::time::Duration;
 
+use backseat_core::Grant;
 use backseat_core::plugin as core;
 
-use super::wit;
+use super::{wit, wit_mission};
 
 /// The longest name or version, bytes.
 const NAME_BYTES: usize = 64;
@@ -11,12 +12,20 @@ const PERIOD_MIN: Duration = Duration::from_millis(20);
 /// The longest step period.
 const PERIOD_MAX: Duration = Duration::from_secs(60);
 
+/// What a plugin says about itself.
+pub(crate) struct Described {
+    /// For core.
+    pub(crate) description: core::Description,
+    /// The grants that it needs, each once.
+    pub(crate) needs: Vec<Grant>,
+}
+
 /// Converts a description that is within its bounds.
 ///
 /// # Errors
 ///
 /// What is out of bounds, and what was expected.
-pub(crate) fn description(described: wit::Description) -> Result<core::Description, (String, &'static str)> {
+pub(crate) fn description(described: wit_mission::Description) -> Result<Described, (String, &'static str)> {
     for (what, text) in [("name", &described.name), ("version", &described.version)] {
         if text.is_empty() || text.len() > NAME_BYTES || text.chars().any(char::is_control) {
             return Err((
@@ -32,12 +41,60 @@ pub(crate) fn description(described: wit::Description) -> Result<core::Descripti
     let mut topics: Vec<core::Topic> = described.topics.into_iter().map(core::Topic::from).collect();
     topics.sort();
     topics.dedup();
-    Ok(core::Description {
-        name: described.name,
-        version: described.version,
-        step_period,
-        topics,
+    let mut needs: Vec<Grant> = described.grants.into_iter().map(Grant::from).collect();
+    needs.sort();
+    needs.dedup();
+    Ok(Described {
+        description: core::Description {
+            name: described.name,
+            version: described.version,
+            step_period,
+            topics,
+        },
+        needs,
     })
+}
+
+impl From<wit_mission::Grant> for Grant {
+    fn from(grant: wit_mission::Grant) -> Self {
+        match grant {
+            wit_mission::Grant::Modify => Self::Modify,
+            wit_mission::Grant::Insert => Self::Insert,
+            wit_mission::Grant::Interrupt => Self::Interrupt,
+            wit_mission::Grant::Message => Self::Message,
+            wit_mission::Grant::Surface => Self::Surface,
+            wit_mission::Grant::Topside => Self::Topside,
+            wit_mission::Grant::Dvl => Self::Dvl,
+            wit_mission::Grant::Silent => Self::Silent,
+            wit_mission::Grant::Trim => Self::Trim,
+            wit_mission::Grant::Buoyancy => Self::Buoyancy,
+            wit_mission::Grant::Acoustic => Self::Acoustic,
+            wit_mission::Grant::Station => Self::Station,
+            wit_mission::Grant::Devices => Self::Devices,
+            wit_mission::Grant::Sonar => Self::Sonar,
+        }
+    }
+}
+
+impl From<Grant> for wit_mission::Grant {
+    fn from(grant: Grant) -> Self {
+        match grant {
+            Grant::Modify => Self::Modify,
+            Grant::Insert => Self::Insert,
+            Grant::Interrupt => Self::Interrupt,
+            Grant::Message => Self::Message,
+            Grant::Surface => Self::Surface,
+            Grant::Topside => Self::Topside,
+            Grant::Dvl => Self::Dvl,
+            Grant::Silent => Self::Silent,
+            Grant::Trim => Self::Trim,
+            Grant::Buoyancy => Self::Buoyancy,
+            Grant::Acoustic => Self::Acoustic,
+            Grant::Station => Self::Station,
+            Grant::Devices => Self::Devices,
+            Grant::Sonar => Self::Sonar,
+        }
+    }
 }
 
 impl From<wit::Topic> for core::Topic {
@@ -103,6 +160,33 @@ mod tests {
         wit::Topic::Sonar,
     ];
 
+    /// In the order of the interface.
+    const GRANTS: [wit_mission::Grant; 14] = [
+        wit_mission::Grant::Modify,
+        wit_mission::Grant::Insert,
+        wit_mission::Grant::Interrupt,
+        wit_mission::Grant::Message,
+        wit_mission::Grant::Surface,
+        wit_mission::Grant::Topside,
+        wit_mission::Grant::Dvl,
+        wit_mission::Grant::Silent,
+        wit_mission::Grant::Trim,
+        wit_mission::Grant::Buoyancy,
+        wit_mission::Grant::Acoustic,
+        wit_mission::Grant::Station,
+        wit_mission::Grant::Devices,
+        wit_mission::Grant::Sonar,
+    ];
+
+    #[test]
+    fn a_grant_is_the_one_of_its_name() {
+        for wanted in GRANTS {
+            let grant = Grant::from(wanted);
+            assert_eq!(format!("{wanted:?}").to_lowercase(), format!("grant::{}", grant.name()));
+            assert_eq!(wit_mission::Grant::from(grant), wanted);
+        }
+    }
+
     #[test]
     fn a_topic_is_the_one_of_its_name() {
         for topic in TOPICS {
@@ -113,14 +197,18 @@ mod tests {
 
     #[test]
     fn topics_are_in_order_and_none_is_there_twice() {
-        let described = wit::Description {
+        let described = wit_mission::Description {
             name: "a".to_owned(),
             version: "1".to_owned(),
             step_period_ns: 20_000_000,
             topics: TOPICS.into_iter().rev().chain(TOPICS).collect(),
+            grants: GRANTS.into_iter().rev().chain(GRANTS).collect(),
         };
-        let topics = description(described).unwrap().topics;
+        let described = description(described).unwrap();
+        let topics = described.description.topics;
         assert_eq!(topics.len(), TOPICS.len());
         assert!(topics.is_sorted());
+        assert_eq!(described.needs.len(), GRANTS.len());
+        assert!(described.needs.is_sorted());
     }
 }

@@ -23,6 +23,7 @@ component runs Python 3.14 with its standard library and **without numpy** or an
 """
 
 from . import fence, log, measures
+from .briefing import Area, Briefing, Budget, Grant, KeepIn, Limits, Zone
 from .events import (
     Behavior,
     BehaviorBegan,
@@ -48,6 +49,7 @@ from .events import (
     TopsideMessage,
     Window,
 )
+from .frame import Local, LocalFrame
 from .navigation import Cartesian, Navigation, Relative
 from .outcomes import (
     Accepted,

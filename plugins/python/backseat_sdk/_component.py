@@ -62,14 +62,15 @@ def world(plugin_class: type[Plugin]) -> type:
                 _sandbox.mute()
                 raise
 
-        def init(self, config: str) -> None:
+        def init(self, briefing: Any) -> None:
             try:
                 instance.plugin = plugin_class()
                 try:
-                    settings: Any = records.from_json(plugin_class.Config, config, "config")
+                    settings: Any = records.from_json(plugin_class.Config, briefing.config, "config")
                 except ValueError as error:
                     raise Refused(str(error)) from None
                 instance.plugin.init(settings)
+                instance.plugin.brief(_wit.briefing(briefing))
             except BaseException as error:
                 raise refuse(error) from None
 

@@ -17,15 +17,23 @@ from wit_world import WitWorld as World
 from wit_world.imports import fence as wit_fence
 from wit_world.imports import log as wit_log
 from wit_world.imports import measures as wit_measures
+from wit_world.imports import mission as wit_mission
 from wit_world.imports import types as wit
 
 from . import events, outcomes, requests as asked, samples, sonar, values
+from .briefing import Briefing
+from .frame import Local
 from .plugin import Description
 
-__all__ = ["World", "Imports", "description", "error", "requests", "step_input"]
+__all__ = ["World", "Imports", "briefing", "description", "error", "requests", "step_input"]
 
 #: The folder of `wit/` that this module fits.
-VERSION = "v0.1.0"
+VERSION = "v0.2.0"
+
+#: The modules with the types of the interface.
+MODULES = (wit, wit_mission)
+#: The dataclasses that have another name in the interface.
+NAMES: dict[type, str] = {Local: "Point"}
 
 #: The variants of the interface, and the dataclass of each case. A case without one is a variant in the variant.
 CASES: dict[str, dict[str, type | str]] = {
@@ -100,9 +108,19 @@ del CASES["Request"]["AdjustTrim"], CASES["Request"]["AdjustBuoyancy"]
 Convert = Callable[[Any], Any]
 
 
+def _named(name: str) -> Any:
+    """The interface's type of this name; ``None`` if it has none."""
+    return next((getattr(module, name) for module in MODULES if hasattr(module, name)), None)
+
+
+def _counterpart(kind: type) -> Any:
+    """The interface's type for one of the SDK; ``None`` if it has none."""
+    return _named(NAMES.get(kind, kind.__name__))
+
+
 def _is_record(kind: Any) -> bool:
     """Whether the interface has a record of this name; otherwise the dataclass only holds a variant's value."""
-    return is_dataclass(kind) and is_dataclass(getattr(wit, kind.__name__, None))
+    return is_dataclass(kind) and is_dataclass(_counterpart(kind))
 
 
 def _hints(kind: type) -> dict[str, Any]:
@@ -154,7 +172,7 @@ def _make_taker(kind: Any) -> Convert | None:
         take = _taker(inner[0]) if len(inner) == 1 else None
         return None if take is None else (lambda value: None if value is None else take(value))
     if isinstance(kind, type) and issubclass(kind, Enum):
-        members = {getattr(wit, kind.__name__)[member.name]: member for member in kind}
+        members = {_counterpart(kind)[member.name]: member for member in kind}
         return members.__getitem__
     if is_dataclass(kind):
         return _taker_of_record(kind)
@@ -227,7 +245,7 @@ def _giver(kind: Any, path: str) -> Convert:
         give = _giver(inner[0], path)
         return lambda value: None if value is None else give(value)
     if isinstance(kind, type) and issubclass(kind, Enum):
-        members = {member: getattr(wit, kind.__name__)[member.name] for member in kind}
+        members = {member: _counterpart(kind)[member.name] for member in kind}
         return lambda value: _found(members, value, path, kind.__name__)
     if is_dataclass(kind):
         return _giver_of_record(kind, path)
@@ -253,7 +271,7 @@ def _giver_of_plain(kind: Any, path: str) -> Convert:
 
 
 def _giver_of_record(kind: type, path: str) -> Convert:
-    made = getattr(wit, kind.__name__)
+    made = _counterpart(kind)
     inner = [(name, _giver(hint, f"{path}.{name}")) for name, hint in _hints(kind).items()]
 
     def give_record(value: Any) -> Any:
@@ -307,6 +325,7 @@ def _told(value: Any) -> str:
 
 
 take_input = _taker(events.StepInput)
+take_briefing = _taker(Briefing)
 take_event = _taker_of_variant("Event")
 take_refusal = _taker(outcomes.Refusal)
 give_request = _giver(asked.Request, "")
@@ -317,6 +336,12 @@ def step_input(value: Any) -> events.StepInput:
     """The input of a step."""
     assert take_input is not None, "a record has a converter"
     return take_input(value)
+
+
+def briefing(value: Any) -> Briefing:
+    """What the plugin is told before its first step."""
+    assert take_briefing is not None, "a record has a converter"
+    return take_briefing(value)
 
 
 def requests(returned: Iterable[Any] | None) -> list[Any]:

@@ -24,7 +24,7 @@ from .component_file import BadComponent, names
 #: The version of componentize-py that this SDK was tested with.
 COMPONENTIZE = "0.25.1"
 #: The folder of `wit/`, and the interface in it; `_wit.py` depends on them.
-VERSION, PACKAGE, WORLD = "v0.1.0", "backseat:plugin", "plugin"
+VERSION, PACKAGE, WORLD = "v0.2.0", "backseat:plugin", "plugin"
 EXPORTS = {"describe", "init", "step", "snapshot", "restore"}
 #: The largest component that the runtime loads, bytes.
 COMPONENT_BYTES = 32 << 20

@@ -7,6 +7,7 @@ from dataclasses import dataclass, is_dataclass
 from typing import Any, ClassVar
 
 from . import records
+from .briefing import Briefing, Grant
 from .events import StepInput, Topic
 from .requests import Request
 from .values import SECOND_NS, U64
@@ -24,12 +25,14 @@ class Description:
     - ``step_period_ns``: from one step to the next, 20 ms to 60 s. A step waits up to half a period for navigation. A
       timer or a burst of events brings a step early.
     - ``topics``: the events to receive, beside those that every plugin receives.
+    - ``grants``: those without which it cannot do its work. A mission that does not give them is not flown.
     """
 
     name: str
     version: str
     step_period_ns: U64 = SECOND_NS
     topics: Sequence[Topic] = ()
+    grants: Sequence[Grant] = ()
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,7 @@ class Plugin:
     """A plugin: a function of its inputs. It has no clock, no random numbers, no files and no network.
 
     Derive one class from it, with ``describe`` and ``step``. The runtime creates it without arguments, calls
-    ``describe``, then ``init``, then ``step`` at the period of the description. Set ``Config`` to a dataclass of the
+    ``describe``, then ``init`` and ``brief``, then ``step`` at the period of the description. Set ``Config`` to a dataclass of the
     settings and ``State`` to a dataclass of what a new instance needs to continue; ``self.state`` is then one of it.
     """
 
@@ -61,7 +64,7 @@ class Plugin:
         return plugin
 
     def describe(self) -> Description:
-        """The plugin's name, version, step period and topics. Called first, before ``init``."""
+        """The plugin's name, version, step period, topics and grants. Called first, before ``init``."""
         raise NotImplementedError(f"{type(self).__name__} needs a method describe")
 
     def init(self, config: Any) -> None:
@@ -71,6 +74,13 @@ class Plugin:
         at sea. Any other exception is a refusal too, with the place where it was raised.
         """
         self.config = config
+
+    def brief(self, briefing: Briefing) -> None:
+        """Called once after ``init``, also in a new instance after a failure, with the mission's fence, limits, grants
+        and budget. By default it does nothing.
+
+        Raise ``Refused`` for what makes the mission impossible for this plugin, with what to change.
+        """
 
     def step(self, input: StepInput) -> Iterable[Request] | None:
         """Runs one step: takes in what has happened since the last one, and returns the requests of now, at most 256.

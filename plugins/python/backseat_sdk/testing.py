@@ -20,6 +20,7 @@ from enum import Enum
 from typing import Annotated, Any, Generic, TypeVar, get_args, get_origin, get_type_hints
 
 from . import _host, records
+from .briefing import Area, Briefing, Budget, Grant, KeepIn, Limits, Zone
 from .events import Event, Restored, StepInput, TimerExpired
 from .frame import Local, LocalFrame
 from .navigation import Navigation
@@ -58,6 +59,39 @@ def navigation(**changed: Any) -> Navigation:
     if "position" in changed:
         return whole
     return replace(whole, position=LocalFrame(ORIGIN).to_position(Local(whole.east, whole.north)))
+
+
+def briefing(**changed: Any) -> Briefing:
+    """A briefing for tests: all grants, a keep-in zone of 2 km by 2 km around the origin down to 36 m, and the limits of
+    the template's mission. ``briefing(grants=())`` changes fields."""
+    corners = (Local(-1000.0, -1000.0), Local(1000.0, -1000.0), Local(1000.0, 1000.0), Local(-1000.0, 1000.0))
+    zone = Zone("bay", KeepIn(3.0), 20.0, 0.0, 36.0, None, None, (Area(corners),))
+    limits = Limits(
+        speed_min=1.0,
+        speed_max=2.0,
+        turn_rate=8.0,
+        current_max=0.3,
+        water_depth_min=30.0,
+        water_depth_max=48.0,
+        seabed_slope_max=0.02,
+        navigation_error=5.0,
+        tracking_error=5.0,
+        vertical_error=1.0,
+        lead_max=50.0,
+        modify_duration_max_ns=60_000_000_000,
+        inserts_open_max=4,
+        inserts_total_max=100,
+        inserts_duration_max_ns=3_600_000_000_000,
+        requests_per_second=20,
+        gps_hits_total_max=10,
+        topside_per_minute=6,
+        packets_per_minute=12,
+    )
+    budget = Budget(20_000_000, 1_000_000_000, 10_000_000, 64 << 20, 10)
+    return replace(Briefing("{}", tuple(Grant), ORIGIN, (zone,), limits, budget), **changed)
+
+
+_BRIEFING = briefing()
 
 
 def outcome(request: Request | int, state: State) -> Outcome:
@@ -99,16 +133,26 @@ class Harness(Generic[P]):
     - ``lines``, ``measures``, ``asked``, ``fence``: see ``Recorder``.
     """
 
-    def __init__(self, kind: type[P], config: dict[str, Any] | None = None, seconds_at_start: float = 10.0) -> None:
+    def __init__(
+        self,
+        kind: type[P],
+        config: dict[str, Any] | None = None,
+        briefing: Briefing | None = None,
+        seconds_at_start: float = 10.0,
+    ) -> None:
         """Starts a plugin. Raises ``Refused`` with the line that the runtime would print, if it refuses to start."""
         check_class(kind)
         self.recorder = Recorder()
         self._kind, self._config = kind, json.dumps(config or {})
+        self._briefing = replace(briefing or _BRIEFING, config=self._config)
         self.now_ns = round(seconds_at_start * 1e9)
         self._timers: dict[int, int] = {}
         self._waiting: list[Event] = []
         self.description = self._hosted(lambda: kind().describe())
         check_value(self.description, type(self.description))
+        missing = [grant.value for grant in self.description.grants if grant not in self._briefing.grants]
+        if missing:
+            raise Refused(f"needs the grants {', '.join(missing)}")
         self.plugin: P = self._started()
 
     @property
@@ -167,6 +211,7 @@ class Harness(Generic[P]):
             except ValueError as error:
                 raise Refused(str(error)) from None
             plugin.init(config)
+            plugin.brief(self._briefing)
             return plugin
 
         return self._hosted(start)

@@ -67,6 +67,21 @@ def test_an_exception_in_init_is_a_refusal_with_its_place(faulty):
     assert "cannot be started: KeyError: 'missing' (plugin.py:" in told and " in init)" in told
 
 
+def test_the_mission_briefs_the_plugin(faulty, fly):
+    told = faulty("fail-in-brief").stderr
+    assert told.rstrip().endswith("cannot be started: speed_max_mps: 2.0 is too slow")
+    lines = faulty("tell-briefing").lines
+    for line in (
+        "bay: 3.0 m, 36.0 m, 1 area",
+        "holes: 0",
+        "grants: modify, message",
+        "fuel: 20000000, inserts: 4",
+    ):
+        assert line in lines, lines
+    refused = fly("template-python", edits=[('grants = ["modify", "message"]', 'grants = ["message"]')])
+    assert refused.code == 2 and "modify" in refused.stderr, refused.stderr
+
+
 def test_an_exception_in_a_step_is_told_with_its_lines_and_the_instance_goes_on(faulty):
     flight = faulty("raise")
     assert flight.code == 0, flight.stderr

@@ -12,6 +12,7 @@ from backseat_sdk import (
     Depth,
     Description,
     Failed,
+    Grant,
     Modify,
     Outcome,
     Plugin,
@@ -52,8 +53,8 @@ class HoldHeading(Plugin):
 
     def describe(self):
         # Every plugin receives outcomes, control, timers, restored and shutdown. List a topic here to receive more:
-        # topics=(Topic.CTD,).
-        return Description(name="template", version="0.1.0", step_period_ns=PERIOD_NS)
+        # topics=(Topic.CTD,). A mission that does not give the grants is refused.
+        return Description("template", "0.1.0", step_period_ns=PERIOD_NS, grants=(Grant.MODIFY,))
 
     def step(self, input):
         for outcome in input.of(Outcome):

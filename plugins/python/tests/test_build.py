@@ -26,7 +26,7 @@ def an_export(name):
 
 
 EXPORTS = section(11, *(an_export(name) for name in sorted(build.EXPORTS)))
-LOG = "backseat:plugin/log@0.1.0"
+LOG = "backseat:plugin/log@0.2.0"
 
 
 def component(tmp_path, *parts):

@@ -13,7 +13,7 @@ from typing import Annotated, Union, get_args, get_origin, get_type_hints
 
 import backseat_sdk
 import pytest
-from backseat_sdk import Depth, Modify, Plan, StepInput, build
+from backseat_sdk import Depth, Description, Grant, Modify, Plan, StepInput, Topic, build
 
 
 @pytest.fixture(scope="module")
@@ -36,8 +36,9 @@ def generated(wit):
     """The classes that were generated for the interface's types."""
     return {
         name: value
-        for name, value in vars(wit.wit).items()
-        if isinstance(value, type) and value.__module__ == wit.wit.__name__
+        for module in wit.MODULES
+        for name, value in vars(module).items()
+        if isinstance(value, type) and value.__module__ == module.__name__
     }
 
 
@@ -49,7 +50,8 @@ def test_every_record_has_its_dataclass_with_the_same_fields(wit):
     records = [kind for name, kind in generated(wit).items() if is_dataclass(kind) and not is_case(name, kind)]
     assert len(records) > 50
     for record in records:
-        own = getattr(backseat_sdk, record.__name__)
+        own = next((own for own, name in wit.NAMES.items() if name == record.__name__), None)
+        own = own or getattr(backseat_sdk, record.__name__)
         assert [field.name for field in fields(own)] == [field.name for field in fields(record)], record
         assert own.__doc__ and not own.__doc__.startswith(f"{record.__name__}("), f"{record} has no docs"
 
@@ -66,7 +68,7 @@ CASES_OF = {
 
 def test_every_enum_has_the_same_members(wit):
     enums = {name: kind for name, kind in generated(wit).items() if issubclass(kind, enum.Enum)}
-    assert len(enums) == 8
+    assert len(enums) == 9
     for name, kind in enums.items():
         assert [member.name for member in getattr(backseat_sdk, name)] == [member.name for member in kind], name
 
@@ -150,6 +152,21 @@ def test_every_input_arrives_as_it_was(wit, number):
     ours = wit.step_input(theirs)
     assert isinstance(ours, StepInput)
     assert same(wit, theirs, ours), (theirs, ours)
+
+
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_every_briefing_arrives_as_it_was(wit, number):
+    theirs = sample_of(wit.wit_mission.Briefing, number)
+    ours = wit.briefing(theirs)
+    assert isinstance(ours, backseat_sdk.Briefing) and isinstance(
+        ours.zones[0].areas[0].holes[0][0], backseat_sdk.Local
+    )
+    assert same(wit, theirs, ours), (theirs, ours)
+
+
+def test_a_description_arrives_as_it_was(wit):
+    ours = Description("name", "1", 5, (Topic.CTD, Topic.SONAR), (Grant.MODIFY,))
+    assert same(wit, wit.description(ours), ours)
 
 
 def ours_of(hint, number=1):

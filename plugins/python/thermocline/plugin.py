@@ -24,6 +24,7 @@ from backseat_sdk import (
     Depth,
     Description,
     Failed,
+    Grant,
     Modify,
     Outcome,
     Plugin,
@@ -103,7 +104,7 @@ class Thermocline(Plugin):
     state: State
 
     def describe(self):
-        return Description("thermocline", "0.1.0", PERIOD_NS, (Topic.CTD,))
+        return Description("thermocline", "0.1.0", PERIOD_NS, (Topic.CTD,), (Grant.MODIFY,))
 
     def init(self, config: Config):
         if config.shallowest_m + 2.0 * config.half_span_m > config.deepest_m:
@@ -113,6 +114,14 @@ class Thermocline(Plugin):
             )
         self.config = config
         self.state.profile = Profile(config.bin_m)
+
+    def brief(self, briefing):
+        limits = briefing.limits
+        if not limits.speed_min <= self.config.speed_mps <= limits.speed_max:
+            raise Refused(
+                f"speed_mps: {self.config.speed_mps} is not within limits.speed_min_mps and limits.speed_max_mps, "
+                f"{limits.speed_min} to {limits.speed_max}"
+            )
 
     def step(self, input):
         for outcome in input.of(Outcome):

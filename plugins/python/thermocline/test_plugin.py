@@ -4,7 +4,7 @@ import random
 import pytest
 from backseat_sdk import Ctd, Depth, Refusal, Refused, Rule
 from backseat_sdk.frame import Local
-from backseat_sdk.testing import Harness, navigation
+from backseat_sdk.testing import Harness, briefing, navigation
 from gradient_peak import Peak, Profile
 from plugin import Phase, Thermocline
 
@@ -127,6 +127,16 @@ def test_a_sample_has_the_depth_of_its_own_time():
 def test_a_range_without_room_is_refused():
     with pytest.raises(Refused, match="deepest_m: 10.0 leaves less than twice half_span_m"):
         Harness(Thermocline, {**CONFIG, "deepest_m": 10.0})
+
+
+def test_a_speed_that_the_mission_forbids_is_refused_before_the_dive():
+    with pytest.raises(Refused, match="speed_mps: 3.0 is not within limits.speed_min_mps"):
+        Harness(Thermocline, {**CONFIG, "speed_mps": 3.0})
+
+
+def test_a_mission_without_the_grant_is_refused():
+    with pytest.raises(Refused, match="needs the grants modify"):
+        Harness(Thermocline, CONFIG, briefing(grants=()))
 
 
 @pytest.mark.parametrize("down", [True, False])

@@ -12,6 +12,7 @@ from backseat_sdk import (
     SECOND_NS,
     Depth,
     Description,
+    Grant,
     Modify,
     Plugin,
     Refused,
@@ -52,6 +53,8 @@ class What(Enum):
     FAIL_IN_RESTORE = "fail-in-restore"
     BIG_STATE = "big-state"
     ASK_FENCE = "ask-fence"
+    TELL_BRIEFING = "tell-briefing"
+    FAIL_IN_BRIEF = "fail-in-brief"
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ class Faulty(Plugin):
     State = State
 
     def describe(self):
-        return Description("faulty", "0.1.0", SECOND_NS, (Topic.CTD, Topic.PLAN, Topic.BEHAVIOR))
+        return Description("faulty", "0.1.0", SECOND_NS, (Topic.CTD, Topic.PLAN, Topic.BEHAVIOR), (Grant.MODIFY,))
 
     def init(self, config):
         self.config = config
@@ -83,6 +86,11 @@ class Faulty(Plugin):
             raise Refused("what: this setting is refused")
         if config.what is What.FAIL_IN_INIT:
             return {}["missing"]
+
+    def brief(self, briefing):
+        if self.config.what is What.FAIL_IN_BRIEF:
+            raise Refused(f"speed_max_mps: {briefing.limits.speed_max} is too slow")
+        self.briefing = briefing
 
     def step(self, input):
         self.steps += 1
@@ -153,6 +161,15 @@ class Faulty(Plugin):
                 log.info(f"shallow: {fence.check(Modify(1, 80.0, Depth(10.0), 1.5, SECOND_NS)):.0f} m")
                 refusal = fence.check(Modify(1, 80.0, Depth(39.0), 1.5, SECOND_NS))
                 log.info(f"deep: {refusal.rule.name}, {refusal.most} m, {refusal.text}")
+            case What.TELL_BRIEFING:
+                (zone,) = self.briefing.zones
+                ring = zone.areas[0].outer
+                log.info(f"{zone.name}: {zone.keep_in.altitude_min} m, {zone.depth_max} m, {len(zone.areas)} area")
+                log.info(f"west to east: {ring[0].distance(ring[1]):.0f} m, holes: {len(zone.areas[0].holes)}")
+                log.info(f"grants: {', '.join(grant.value for grant in self.briefing.grants)}")
+                log.info(
+                    f"fuel: {self.briefing.budget.fuel_per_step}, inserts: {self.briefing.limits.inserts_open_max}"
+                )
             case _:
                 pass
 

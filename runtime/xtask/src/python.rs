@@ -56,7 +56,9 @@ fn test(interpreter: &Path, folder: &str, program: &Path) -> Result<()> {
 fn build(interpreter: &Path, folder: &str, name: &str) -> Result<()> {
     let component = plugins::folder()?.join(format!("{name}.wasm"));
     let mut command = with_sdk(interpreter)?;
-    command.args(["-m", "backseat_sdk.build"]).arg(root()?.join(SDK).join(folder));
+    command
+        .args(["-m", "backseat_sdk.build"])
+        .arg(root()?.join(SDK).join(folder));
     run(command.arg("-o").arg(component))
 }
 

@@ -44,8 +44,9 @@ class Plugin:
     """A plugin: a function of its inputs. It has no clock, no random numbers, no files and no network.
 
     Derive one class from it, with ``describe`` and ``step``. The runtime creates it without arguments, calls
-    ``describe``, then ``init`` and ``brief``, then ``step`` at the period of the description. Set ``Config`` to a dataclass of the
-    settings and ``State`` to a dataclass of what a new instance needs to continue; ``self.state`` is then one of it.
+    ``describe``, then ``init`` and ``brief``, then ``step`` at the period of the description. Set ``Config`` to a
+    dataclass of the settings and ``State`` to a dataclass of what a new instance needs to continue; ``self.state`` is
+    then one of it.
     """
 
     #: The dataclass of ``[plugin.config]``. Put units into the names of its fields (``depth_m``), and ranges into their

@@ -62,8 +62,8 @@ def navigation(**changed: Any) -> Navigation:
 
 
 def briefing(**changed: Any) -> Briefing:
-    """A briefing for tests: all grants, a keep-in zone of 2 km by 2 km around the origin down to 36 m, and the limits of
-    the template's mission. ``briefing(grants=())`` changes fields."""
+    """A briefing for tests: all grants, a keep-in zone of 2 km by 2 km around the origin down to 36 m, and the limits
+    of the template's mission. ``briefing(grants=())`` changes fields."""
     corners = (Local(-1000.0, -1000.0), Local(1000.0, -1000.0), Local(1000.0, 1000.0), Local(-1000.0, 1000.0))
     zone = Zone("bay", KeepIn(3.0), 20.0, 0.0, 36.0, None, None, (Area(corners),))
     limits = Limits(

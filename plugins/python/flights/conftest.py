@@ -53,18 +53,23 @@ class Flight:
         return run(["log", "show", str(self.log)]).stdout
 
 
-def run(arguments, **environment):
+def run(arguments):
     program = os.environ.get("BACKSEAT_TEST_PROGRAM")
     assert program, "set BACKSEAT_TEST_PROGRAM to the program backseat, or run `cargo xtask python`"
-    return subprocess.run(
-        [program, *arguments], env={**os.environ, **environment}, capture_output=True, text=True, check=False
-    )
+    return subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory):
+    """A cache of compiled components for these tests alone."""
+    folder = tmp_path_factory.mktemp("cache")
+    os.environ["BACKSEAT_CACHE"] = str(folder)
+    return folder
 
 
 @pytest.fixture(scope="session")
 def fly(plugins, tmp_path_factory):
     """Flies a copy of a mission in simulation: `edits` are texts of its mission.toml to replace."""
-    cache = tmp_path_factory.mktemp("cache")
 
     def fly(name, *arguments, edits=(), sets=()):
         folder = tmp_path_factory.mktemp("flight")
@@ -79,7 +84,7 @@ def fly(plugins, tmp_path_factory):
         given = ["sim", str(mission), "--plugins", str(plugins), "--json", "--log", str(log), *arguments]
         for each in sets:
             given += ["--set", each]
-        done = run(given, BACKSEAT_CACHE=str(cache))
+        done = run(given)
         return Flight(done.returncode, done.stdout, done.stderr, log)
 
     return fly

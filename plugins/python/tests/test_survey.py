@@ -12,6 +12,7 @@ from backseat_sdk import (
     Position,
     Refusal,
     Rejected,
+    Restored,
     Rule,
     Started,
     StepInput,
@@ -133,6 +134,26 @@ def test_a_queue_tries_again_after_a_pause_and_gives_up():
     paused = outcome(again, Rejected(Refusal(Rule.PAUSE, text="just refused")))
     queue.step(StepInput(now_ns=11_000_000_000, control=True, events=(paused,)))
     assert queue.is_done and queue.inserts[1].why == "just refused"
+
+
+def test_a_queue_forgets_no_insert_in_a_restart():
+    queue = InsertQueue(ahead=2)
+    for _ in range(4):
+        queue.add(trackline())
+    first, second = queue.step(StepInput(control=True))
+    # In the lost steps the first was flown, the second was accepted, and the third was asked for with the next tag.
+    restored = Restored(lost_steps=3, open=(second.tag, 1_000_002))
+    assert queue.step(StepInput(control=True, events=(restored,))) == []
+    assert [insert.progress for insert in queue.inserts] == [
+        Progress.UNKNOWN,
+        Progress.ASKED,
+        Progress.WAITING,
+        Progress.WAITING,
+    ]
+    ends = tuple(outcome(tag, Ended(EndKind.DONE)) for tag in (second.tag, 1_000_002))
+    asked = queue.step(StepInput(control=True, events=ends))
+    assert [each.tag for each in asked] == [1_000_009, 1_000_010]
+    assert queue.count(Progress.FLOWN) == 2
 
 
 def test_a_plane_is_found_in_noise():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
-from ..events import StepInput
+from ..events import Restored, StepInput
 from ..outcomes import Accepted, Cancelled, EndKind, Ended, Failed, Outcome, Rejected, Rule, Started, TimedOut, Unknown
 from ..requests import Trackcircle, Trackline
 from ..values import SECOND_NS
@@ -73,6 +73,8 @@ class InsertQueue:
 
     def step(self, input: StepInput) -> list[Trackline | Trackcircle]:
         """Takes in the outcomes, and returns what to ask for now: nothing without control."""
+        for restored in input.of(Restored):
+            self._restored(restored)
         for outcome in input.of(Outcome):
             for insert in self.inserts:
                 if insert.request.tag == outcome.tag and insert.progress is not Progress.WAITING:
@@ -104,6 +106,22 @@ class InsertQueue:
     def is_done(self) -> bool:
         """Whether every insert was flown or given up."""
         return all(insert.progress in (Progress.FLOWN, Progress.GIVEN_UP) for insert in self.inserts)
+
+    def _restored(self, restored: Restored) -> None:
+        """After a restart, what happened in the lost steps is known only by the tags that are still open: an insert
+        whose tag is not open waits again, and the open tags that the queue does not know are those of the next inserts.
+        So an insert may be flown twice, but none is forgotten."""
+        for insert in self.inserts:
+            if insert.progress in _OPEN and insert.request.tag not in restored.open:
+                insert.progress, insert.why = Progress.WAITING, "its end was lost in a restart"
+        known = {insert.request.tag for insert in self.inserts if insert.progress in _OPEN}
+        waiting = [insert for insert in self.inserts if insert.progress is Progress.WAITING]
+        unknown = sorted(tag for tag in restored.open if tag >= self.next_tag and tag not in known)
+        for insert, tag in zip(waiting, unknown):
+            insert.request, insert.progress = replace(insert.request, tag=tag), Progress.UNKNOWN
+            insert.attempts += 1
+        # A tag of the lost steps is not used again.
+        self.next_tag = max([self.next_tag, *(tag + 1 for tag in unknown)]) + self.ahead * restored.lost_steps
 
     def _took(self, insert: Insert, outcome: Outcome, input: StepInput) -> None:
         match outcome.state:

@@ -46,11 +46,15 @@ fn hash(files: &[(String, PathBuf)]) -> io::Result<String> {
     Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// All files under a folder, with the names that they have in every clone.
+/// All files under a folder, with the names that they have in every clone. Not those that have only tests: they change no
+/// flight.
 fn gather(folder: &Path, name: &str, files: &mut Vec<(String, PathBuf)>) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let (path, name) = (entry.path(), format!("{name}/{}", entry.file_name().to_string_lossy()));
+        if ["tests", "tests.rs"].iter().any(|tests| entry.file_name() == *tests) {
+            continue;
+        }
         if path.is_dir() {
             gather(&path, &name, files)?;
         } else {

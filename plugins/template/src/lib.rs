@@ -1,7 +1,6 @@
-//! A template for new plugins. It keeps a heading, a depth and a speed while the backseat has control.
+//! The start of a new plugin. It keeps a heading, a depth and a speed while the backseat has control.
 //!
-//! Copy this folder, change the crate's name in `Cargo.toml`, and change `step`. `cargo test` runs the tests below on
-//! this computer; `cargo xtask plugins` builds the component for the runtime.
+//! Change `step`. `cargo test` runs the tests below on this computer, without the runtime.
 
 use backseat_sdk::{Description, Event, Grant, Modify, Plugin, Request, State, StepInput, Vertical, log};
 use serde::Deserialize;
@@ -37,7 +36,7 @@ impl Plugin for HoldHeading {
 
     fn describe() -> Description {
         Description {
-            name: "template".into(),
+            name: env!("CARGO_PKG_NAME").into(),
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: PERIOD_NS,
             // Every plugin receives outcomes, control, timers, restored and shutdown. List a topic here to receive

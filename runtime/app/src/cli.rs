@@ -12,6 +12,8 @@ use crate::log::Log;
 use crate::mvc::Mvc;
 #[cfg(feature = "simulation")]
 use crate::plc::Plc;
+#[cfg(feature = "plugin")]
+use crate::plugin::Plugin;
 use crate::replay::Replay;
 use crate::run::Run;
 use crate::s7k::S7k;
@@ -90,6 +92,13 @@ pub(crate) enum Command {
     /// Show or judge the log of a run
     #[command(subcommand)]
     Log(Log),
+    /// Make, build, test, inspect and check a plugin, in any folder
+    ///
+    /// The program carries the sources of the SDK, so a Rust toolchain (https://rustup.rs) with the target
+    /// wasm32-unknown-unknown is all that `new`, `build` and `test` need. `inspect` and `check` need no toolchain.
+    #[cfg(feature = "plugin")]
+    #[command(subcommand)]
+    Plugin(Plugin),
     /// List, decode and encode SPI messages, or watch a live vehicle
     #[command(subcommand)]
     Spi(Spi),
@@ -136,7 +145,7 @@ pub(crate) struct WorldArguments {
     pub(crate) world: PathBuf,
 }
 
-fn folder(text: &str) -> Result<PathBuf, String> {
+pub(crate) fn folder(text: &str) -> Result<PathBuf, String> {
     let folder = PathBuf::from(text);
     if folder.is_dir() {
         Ok(folder)

@@ -29,6 +29,8 @@ mod owner;
 mod peer;
 #[cfg(feature = "simulation")]
 mod plc;
+#[cfg(feature = "plugin")]
+mod plugin;
 mod plugins;
 mod rate;
 #[cfg(test)]
@@ -106,6 +108,8 @@ fn program() -> ExitCode {
         Command::Check(arguments) => check::check(arguments),
         Command::Replay(arguments) => replay::replay(arguments),
         Command::Log(command) => log::log(command),
+        #[cfg(feature = "plugin")]
+        Command::Plugin(command) => plugin::plugin(command),
         Command::Spi(command) => spi::spi(command),
         Command::S7k(command) => s7k::s7k(command),
         Command::Explain(arguments) => explain::explain(arguments),

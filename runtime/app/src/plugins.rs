@@ -15,6 +15,9 @@ use crate::clock::{Clock, Working};
 /// Besides its fuel, a step may take this long by the wall clock before it is interrupted.
 const DEADLINE_TICKS: u64 = 100;
 const TICK: Duration = Duration::from_millis(10);
+/// The same as a time.
+#[cfg(feature = "plugin")]
+pub(crate) const DEADLINE: Duration = Duration::from_millis(10 * DEADLINE_TICKS);
 
 /// The answer of a plugin's thread.
 pub(crate) enum Answer {

@@ -252,7 +252,7 @@ fn paced(simulation: &mut Simulation, times: f64, progress: &ProgressBar, clock:
     Ok(())
 }
 
-fn progress_bar(quiet: bool) -> ProgressBar {
+pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }

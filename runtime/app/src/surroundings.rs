@@ -11,6 +11,8 @@ use backseat_world::World;
 
 /// A fence that is farther than this from the simulation's origin, degrees, is another place's.
 const FAR_DEG: f64 = 1.0;
+/// Two origins that are nearer than this count as the same, metres.
+const SAME_PLACE_M: f64 = 1.0;
 /// How many places are looked at in each direction across the fence.
 const PLACES: u32 = 60;
 /// A limit that is exceeded by less is met: limits are written with few digits.
@@ -22,6 +24,7 @@ pub(crate) fn beyond_limits(mission: &Mission, scenario: &Scenario, world: &Worl
     let mut lines: Vec<String> = never_in_control(file)
         .into_iter()
         .chain(far_from_fence(mission, file))
+        .chain(other_origin(mission, scenario))
         .collect();
     let mut over = |what: &str, value: f64, key: &str, limit: f64| {
         if value > limit + TOLERANCE {
@@ -83,6 +86,19 @@ fn never_in_control(file: &WorldFile) -> Option<String> {
     never.then(|| {
         "world: no [[plan]] has dynamic = true, so the vehicle never gives control, and plugins can steer nothing"
             .to_owned()
+    })
+}
+
+/// Whether the metres of `world.toml` are not those of plugins, log and map.
+fn other_origin(mission: &Mission, scenario: &Scenario) -> Option<String> {
+    let origin = scenario.world.world_config().frame().ok()?.origin();
+    let apart = mission.envelope.fence().frame().to_local(origin);
+    let apart_m = hypot(apart.east_m, apart.north_m);
+    (SAME_PLACE_M..50_000.0).contains(&apart_m).then(|| {
+        format!(
+            "world: its metres count from its [origin], and those of plugins, log and map from a place {apart_m:.0} m \
+             away: give mission.toml the same [origin]"
+        )
     })
 }
 

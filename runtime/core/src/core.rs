@@ -3,13 +3,13 @@ mod behavior;
 mod connection;
 mod course;
 mod external;
-#[cfg(test)]
-mod gated;
 mod hear;
 mod navigation;
 mod request;
 mod samples;
 mod step;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,14 +1,14 @@
 use core::fmt;
 use std::sync::Arc;
 
-use backseat_units::{EastNorth, LocalFrame, Utc};
+use backseat_units::{EastNorth, LocalFrame, Position, Utc};
 
 use crate::distance::{AnyProbe, ConvexProbe, vector};
 use crate::error::FenceError;
 use crate::map::Map;
 use crate::question::{LIMIT_M, Question, unusable, unusable_span, unusable_vertical};
 use crate::sweep::{Sweep, VerticalExtent};
-use crate::terms::Terms;
+use crate::terms::{Form, Terms};
 use crate::verdict::{Breach, Clearance, EdgeId, EdgeInfo};
 use crate::window::{Span, Window};
 use crate::zone::Zone;
@@ -30,21 +30,35 @@ impl fmt::Debug for Fence {
 }
 
 impl Fence {
-    /// Reads a fence. The crate's documentation describes the form of the file.
+    /// Reads a fence from the text of a file of this form. `origin` is where the plane of its shapes has its zero point;
+    /// without it, that is the centroid of the keep-in zones.
     ///
     /// # Errors
-    /// The first fault, with the feature, the ring and the vertex or key, and what was expected.
+    /// The first fault, with the feature, the ring and the vertex or key, and what was expected; or an origin that is so
+    /// far away that one plane does not hold both.
+    pub fn read(text: &str, form: Form<'_>, origin: Option<Position>) -> Result<Self, FenceError> {
+        let (frame, zones) = crate::load::read(text, form, origin)?;
+        Ok(Self {
+            map: Arc::new(Map::new(frame, zones)),
+        })
+    }
+
+    /// Reads a fence from GeoJSON, as [`Fence::read`] without an origin. The crate's documentation describes the form of
+    /// the file.
+    ///
+    /// # Errors
+    /// As [`Fence::read`].
     pub fn from_geojson(text: &str) -> Result<Self, FenceError> {
-        crate::load::geojson(text).map(Self::new)
+        Self::read(text, Form::GeoJson, None)
     }
 
     /// Reads the `geoFence` of a plan file of QGroundControl: its polygons and circles, named `polygon 1` and so on in
     /// the order of the file. `terms` give the values that such a file cannot have.
     ///
     /// # Errors
-    /// As [`Fence::from_geojson`].
+    /// As [`Fence::read`].
     pub fn from_plan(text: &str, terms: &Terms) -> Result<Self, FenceError> {
-        crate::load::plan(text, terms).map(Self::new)
+        Self::read(text, Form::Plan(terms), None)
     }
 
     /// Reads the placemarks of a KML file (OGC 12-007r2): `Polygon` and `MultiGeometry` of polygons, `Point` as a
@@ -53,18 +67,13 @@ impl Fence {
     /// `terms` give the other values that are absent.
     ///
     /// # Errors
-    /// As [`Fence::from_geojson`], with the line of the placemark.
+    /// As [`Fence::read`], with the line of the placemark.
     pub fn from_kml(text: &str, terms: &Terms) -> Result<Self, FenceError> {
-        crate::load::kml(text, terms).map(Self::new)
+        Self::read(text, Form::Kml(terms), None)
     }
 
-    fn new((frame, zones): (LocalFrame, Vec<Zone>)) -> Self {
-        Self {
-            map: Arc::new(Map::new(frame, zones)),
-        }
-    }
-
-    /// The plane of all shapes that this fence checks. Its origin is the centroid of the keep-in zones.
+    /// The plane of all shapes that this fence checks. Its origin is the one with which the fence was read, or else the
+    /// centroid of the keep-in zones.
     #[must_use]
     pub fn frame(&self) -> &LocalFrame {
         &self.map.frame

@@ -97,7 +97,7 @@ pub use breach::{EdgePlace, ZoneBreach};
 pub use error::{FenceError, Place};
 pub use fence::{Fence, FenceDuring};
 pub use sweep::{ConvexHull, Shape, Sweep, VerticalExtent};
-pub use terms::Terms;
+pub use terms::{Form, Terms};
 pub use verdict::{Breach, Clearance, EdgeId, EdgeInfo, Rule};
 pub use window::{Rfc3339, Span, Window, utc};
 pub use zone::{Band, Kind, Ring, Zone};

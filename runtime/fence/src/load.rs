@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::cover;
 use crate::error::{FenceError, Place};
 use crate::outline::{Outliner, RawPolygon, RawRing};
-use crate::terms::Terms;
+use crate::terms::Form;
 use crate::zone::{Kind, Zone};
 
 mod geojson;
@@ -111,23 +111,24 @@ impl RawZone {
     }
 }
 
-pub(crate) fn geojson(text: &str) -> Result<Loaded, FenceError> {
-    judged(geojson::read(text)?)
-}
-
-pub(crate) fn plan(text: &str, terms: &Terms) -> Result<Loaded, FenceError> {
-    judged(plan::read(text, terms)?)
-}
-
-pub(crate) fn kml(text: &str, terms: &Terms) -> Result<Loaded, FenceError> {
-    judged(kml::read(text, terms)?)
+/// Reads the text of a file. The frame's origin is the centroid of the keep-in zones if none is given.
+pub(crate) fn read(text: &str, form: Form<'_>, origin: Option<Position>) -> Result<Loaded, FenceError> {
+    let raw = match form {
+        Form::GeoJson => geojson::read(text)?,
+        Form::Plan(terms) => plan::read(text, terms)?,
+        Form::Kml(terms) => kml::read(text, terms)?,
+    };
+    judged(raw, origin)
 }
 
 /// Checks raw zones, and makes the frame and the zones from them.
-fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
+fn judged(raw: Vec<RawZone>, origin: Option<Position>) -> Result<Loaded, FenceError> {
     refuse_collection(&raw)?;
     let bounds = Bounds::of(&raw)?;
-    let frame = frame(&raw, &bounds)?;
+    let frame = match origin {
+        Some(origin) => frame_at(origin, &raw, bounds)?,
+        None => frame(&raw, &bounds)?,
+    };
     let mut outliner = Outliner::new(&frame);
     let mut zones = Vec::with_capacity(raw.len());
     for zone in &raw {
@@ -258,6 +259,17 @@ impl Bounds {
     fn contains(&self, longitude: f64, latitude: f64) -> bool {
         (self.west..=self.east).contains(&longitude) && (self.south..=self.north).contains(&latitude)
     }
+}
+
+/// The frame around this origin, if fence and origin together are small enough for one frame.
+fn frame_at(origin: Position, zones: &[RawZone], mut bounds: Bounds) -> Result<LocalFrame, FenceError> {
+    bounds.refuse_wide(|| farthest_vertex(zones))?;
+    bounds.add(&origin);
+    bounds.refuse_wide(|| {
+        let (latitude, longitude) = (origin.latitude.as_deg(), origin.longitude.as_deg());
+        format!("the origin (latitude {latitude} longitude {longitude})")
+    })?;
+    Ok(LocalFrame::new(origin))
 }
 
 /// The frame around the centroid of the keep-in zones' outer rings, if the fence is small enough for one frame.

@@ -1,5 +1,16 @@
 use serde_json::{Map, Value};
 
+/// The form of a fence's file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form<'a> {
+    /// GeoJSON, as the crate's documentation describes it.
+    GeoJson,
+    /// A plan of QGroundControl. The terms give the values that it cannot have.
+    Plan(&'a Terms),
+    /// KML. The terms give the values that it does not have.
+    Kml(&'a Terms),
+}
+
 /// Values for zones whose file cannot give them: plans of QGroundControl, and placemarks of KML without such data. The
 /// ranges are those of the GeoJSON form.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use backseat_fence::{Fence, Terms};
+use backseat_fence::{Fence, Form, Terms};
+use backseat_units::Position;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -32,6 +33,31 @@ pub struct FenceTable {
     pub surfacing: bool,
 }
 
+/// The `[origin]` table: where the local frame has its zero point, in which plugins, the log and the map count metres
+/// east and north.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Origin {
+    /// Degrees, north positive, -85 to 85.
+    pub latitude_deg: f64,
+    /// Degrees, east positive, -180 to 180.
+    pub longitude_deg: f64,
+}
+
+impl Origin {
+    fn position(self) -> Result<Position, String> {
+        let Self {
+            latitude_deg,
+            longitude_deg,
+        } = self;
+        let found = || format!("origin is latitude {latitude_deg} longitude {longitude_deg}");
+        let position = Position::from_deg(latitude_deg, longitude_deg).ok();
+        position
+            .filter(|_| latitude_deg.abs() <= 85.0)
+            .ok_or_else(|| format!("{}, expected -85 to 85 and -180 to 180 degrees", found()))
+    }
+}
+
 /// A fence as it was read.
 pub(crate) struct Loaded {
     pub(crate) fence: Fence,
@@ -44,7 +70,7 @@ pub(crate) struct Loaded {
 }
 
 /// Reads the fence of a mission's folder, which must have exactly one.
-pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, MissionError> {
+pub(crate) fn load(folder: &Path, table: Option<&FenceTable>, origin: Option<Origin>) -> Result<Loaded, MissionError> {
     // A file that cannot be read, such as a dangling link, counts too: someone meant it to be the fence.
     let there = |file: &&str| folder.join(file).symlink_metadata().is_ok();
     let found: Vec<&str> = FILES.into_iter().filter(there).collect();
@@ -60,7 +86,7 @@ pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, 
         }
     };
     let text = read(&folder.join(file))?;
-    read_text(folder, file, text, table)
+    read_text(folder, file, text, table, origin)
 }
 
 /// Reads the fence from the text of this file of a mission's folder.
@@ -69,6 +95,7 @@ pub(crate) fn read_text(
     file: &str,
     text: String,
     table: Option<&FenceTable>,
+    origin: Option<Origin>,
 ) -> Result<Loaded, MissionError> {
     let path = folder.join(file);
     let Some(file) = FILES.into_iter().find(|known| *known == file) else {
@@ -84,14 +111,18 @@ pub(crate) fn read_text(
             Err(value(&mission(), needed))
         }
     };
+    let origin = match origin {
+        Some(origin) => Some(origin.position().map_err(|message| value(&mission(), message))?),
+        None => None,
+    };
     let fence = match file {
-        "fence.plan" => Fence::from_plan(&text, &terms()?),
-        "fence.kml" => Fence::from_kml(&text, &terms()?),
+        "fence.plan" => Fence::read(&text, Form::Plan(&terms()?), origin),
+        "fence.kml" => Fence::read(&text, Form::Kml(&terms()?), origin),
         _ if table.is_some() => {
             let doubled = "[fence] is for fence.plan and fence.kml only: fence.geojson has these values itself";
             return Err(value(&mission(), doubled.to_owned()));
         }
-        _ => Fence::from_geojson(&text),
+        _ => Fence::read(&text, Form::GeoJson, origin),
     };
     let fence = fence.map_err(|error| value(&path, with_suggestion(&error.to_string())))?;
     let (text, as_read) = if file == "fence.geojson" && has_areas_alone(&text) {

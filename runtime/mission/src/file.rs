@@ -4,7 +4,7 @@ use backseat_sonar::{PingGrant, SonarConfig};
 use serde::{Deserialize, Serialize};
 
 use crate::external::ExternalTable;
-use crate::fence::FenceTable;
+use crate::fence::{FenceTable, Origin};
 
 /// The contents of `mission.toml`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -16,6 +16,9 @@ pub struct MissionFile {
     /// The values that `fence.plan` and `fence.kml` do not hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fence: Option<FenceTable>,
+    /// Where the local frame has its zero point: without it, at the centroid of the fence's keep-in zones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<Origin>,
     /// The front seat's plan with which this mission was checked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanTable>,

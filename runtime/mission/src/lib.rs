@@ -21,7 +21,7 @@ mod unknown;
 pub use component::find_component;
 pub use error::MissionError;
 pub use external::ExternalTable;
-pub use fence::FenceTable;
+pub use fence::{FenceTable, Origin};
 pub use file::{BudgetTable, MissionFile, PlanTable, PluginTable, VehicleTable};
 pub use mission::{Layers, Mission, RecordedParts};
 pub use plan::FrontSeatPlan;

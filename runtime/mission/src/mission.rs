@@ -93,7 +93,7 @@ impl Mission {
         toml::from_str::<MissionFile>(&text).map_err(|error| toml_error(&path, &text, &error))?;
         let file = layered(&path, &text, layers)?;
         check(&path, &file)?;
-        let fence = fence::load(folder, file.fence.as_ref())?;
+        let fence = fence::load(folder, file.fence.as_ref(), file.origin)?;
         let plan = match &file.plan {
             Some(table) => Some(plan::load(folder, table, file.vehicle.class)?),
             None => None,
@@ -121,7 +121,7 @@ impl Mission {
         let (name, text) = parts.fence;
         // With a fence that was written as GeoJSON, the table is of the file from which it was read.
         let table = file.fence.as_ref().filter(|_| name != "fence.geojson");
-        let fence = fence::read_text(Path::new(""), name, text.to_owned(), table)?;
+        let fence = fence::read_text(Path::new(""), name, text.to_owned(), table, file.origin)?;
         let plan = match (&file.plan, parts.plan) {
             (Some(table), Some(text)) => Some(plan::of_text(
                 Path::new(""),

@@ -20,7 +20,7 @@ pub enum HostError {
         plugin: String,
     },
     /// The file is a core module: the output of a compiler, which has yet to be made a component.
-    #[error("{plugin}: a core module, expected a component: `cargo xtask plugins` makes one of each plugin")]
+    #[error("{plugin}: a core module, expected a component: `backseat plugin build` makes one of a plugin's folder")]
     CoreModule {
         /// The plugin.
         plugin: String,

@@ -1,7 +1,8 @@
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use backseat_core::plugin::Judge;
+use backseat_core::Grant;
+use backseat_core::plugin::{Description, Judge};
 use wasmtime::component::Linker;
 use wasmtime::{Config, Engine, OperatorCost, VariableOperatorCost};
 
@@ -200,6 +201,15 @@ impl Component {
     /// [`HostError::Interface`] if its functions have other types.
     pub fn start(&self, budget: Budget, brief: &Brief<'_>, judge: Arc<dyn Judge>) -> Result<Started, HostError> {
         Plugin::start(self.clone(), budget, brief, judge)
+    }
+
+    /// What the plugin says about itself, and the grants that it needs, without starting it: that takes no mission.
+    ///
+    /// # Errors
+    ///
+    /// As [`Component::start`], of `describe` alone.
+    pub fn describe(&self, budget: &Budget) -> Result<(Description, Vec<Grant>), HostError> {
+        Plugin::describe(self, budget)
     }
 
     pub(crate) fn engine(&self) -> &Engine {

@@ -38,8 +38,12 @@ pub fn inspect(bytes: &[u8]) -> Result<Inspection, HostError> {
     })
 }
 
-/// Refuses bytes that are not a component, or are too many.
-pub(crate) fn check_form(name: &str, bytes: &[u8], bytes_max: usize) -> Result<(), HostError> {
+/// Refuses bytes that are not a component, or are too many, by their first bytes alone.
+///
+/// # Errors
+///
+/// [`HostError::Empty`], [`HostError::TooLarge`], [`HostError::NotWasm`] or [`HostError::CoreModule`].
+pub fn check_form(name: &str, bytes: &[u8], bytes_max: usize) -> Result<(), HostError> {
     /// The magic number, version and layer of a core module.
     const CORE: &[u8] = b"\0asm\x01\0\0\0";
     let plugin = || name.to_owned();

@@ -149,6 +149,12 @@ impl Instance {
         self.store.get_fuel().expect("the engine counts fuel")
     }
 
+    /// The linear memory that it has, bytes. It never shrinks.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        let limits = &self.store.data().limits;
+        limits.bytes_max - limits.bytes_left
+    }
+
     /// Sets how many lines the next calls may log, at most [`LOG_LINES`].
     pub(crate) fn allow_lines(&mut self, lines: usize) {
         self.store.data_mut().lines_allowed = lines.min(LOG_LINES);

@@ -1,11 +1,15 @@
 use std::sync::Arc;
 
 use backseat_core::Grant;
-use backseat_core::plugin::{Description, FaultKind, Judge, LogLine, PluginFault, Returned, StepInput};
+use backseat_core::plugin::{
+    Description, FaultKind, Judge, LogLine, PluginFault, Refusal, Request, Returned, StepInput,
+};
+use backseat_core::refusal::Reason;
 
 use crate::instance::{CALL_BYTES, Called, Instance, cut};
 use crate::lines::{self, Lines};
 use crate::measures::Measures;
+use crate::meter::Meter;
 use crate::v0_2_0::bindings::backseat::plugin::mission::Briefing;
 use crate::{Brief, Budget, Component, HostError, v0_2_0};
 
@@ -36,8 +40,18 @@ pub struct Plugin {
     snapshot: Option<Vec<u8>>,
     lines: Lines,
     measures: Measures,
+    meter: Option<Arc<Meter>>,
     inputs_since_snapshot: u64,
     steps_to_snapshot: u32,
+}
+
+/// Answers a plugin that is asked for its description only.
+struct NoFence;
+
+impl Judge for NoFence {
+    fn judge(&self, _: &Request, _: &StepInput) -> Result<f64, Refusal> {
+        Err(Refusal::State(Reason::NotInStep))
+    }
 }
 
 /// A plugin that has been started.
@@ -75,6 +89,14 @@ impl Plugin {
         brief: &Brief<'_>,
         judge: Arc<dyn Judge>,
     ) -> Result<Started, HostError> {
+        let (mut instance, described) = begin(&component, &budget, judge.clone())?;
+        let v0_2_0::Described { description, needs } = described;
+        let name = component.name().to_owned();
+        let lacks = |grant: &Grant| !brief.grants.contains(grant);
+        let missing: Vec<Grant> = needs.iter().copied().filter(lacks).collect();
+        if !missing.is_empty() {
+            return Err(HostError::Grants { plugin: name, missing });
+        }
         let mut plugin = Self {
             steps_to_snapshot: budget.snapshot_every_steps,
             component,
@@ -88,39 +110,14 @@ impl Plugin {
             inputs_since_snapshot: 0,
             lines: Lines::default(),
             measures: Measures::default(),
+            meter: None,
         };
-        let name = plugin.component.name().to_owned();
-        let start = |fault| HostError::Start {
-            plugin: name.clone(),
-            fault,
-        };
-        let mut instance = plugin.instantiate().map_err(|fault| {
-            if fault.kind == FaultKind::Start {
-                HostError::Interface {
-                    plugin: name.clone(),
-                    interface: plugin.component.interface().name(),
-                    reason: fault.text,
-                }
-            } else {
-                start(fault)
-            }
-        })?;
-        let described = instance.call_on(CALL_BYTES, None, |exports, store| exports.describe(store));
-        let described = described.result.map_err(start)?;
-        let v0_2_0::Described { description, needs } =
-            v0_2_0::description(described).map_err(|(what, expected)| HostError::Description {
-                plugin: name.clone(),
-                what,
-                expected,
-            })?;
-        let lacks = |grant: &Grant| !brief.grants.contains(grant);
-        let missing: Vec<Grant> = needs.iter().copied().filter(lacks).collect();
-        if !missing.is_empty() {
-            return Err(HostError::Grants { plugin: name, missing });
-        }
         let left = plugin.init(&mut instance);
         let log = lines::of_start(instance.take_log());
-        let left = left.map_err(|fault| start(with_last_line(fault, &log)))?;
+        let left = left.map_err(|fault| HostError::Start {
+            plugin: name,
+            fault: with_last_line(fault, &log),
+        })?;
         plugin.instance = Some(instance);
         Ok(Started {
             fuel: plugin.budget.fuel_init - left,
@@ -129,6 +126,12 @@ impl Plugin {
             log,
             plugin,
         })
+    }
+
+    /// What a plugin says about itself, and the grants that it needs: without `init`, for which it would need a mission.
+    pub(crate) fn describe(component: &Component, budget: &Budget) -> Result<(Description, Vec<Grant>), HostError> {
+        let (_, described) = begin(component, budget, Arc::new(NoFence))?;
+        Ok((described.description, described.needs))
     }
 
     /// Runs one step. The returned fuel includes the snapshot's, if one was taken. A fault that loses the instance uses
@@ -177,6 +180,7 @@ impl Plugin {
             events: Vec::new(),
             ..*input
         }));
+        let begun = self.meter.as_ref().map(|meter| meter.now());
         let fuel_max = match stop {
             Some(Stop::InStep { .. }) => self.budget.fuel_per_step.min(STOPPED_FUEL),
             Some(Stop::InSnapshot) | None => self.budget.fuel_per_step,
@@ -194,6 +198,10 @@ impl Plugin {
             }
         };
         instance.set_step(None);
+        if let (Some(meter), Some(begun)) = (&self.meter, begun) {
+            let used = fuel_max.saturating_sub(instance.fuel_left());
+            meter.step(begun, used, instance.memory_bytes());
+        }
         let mut result = result.and_then(|returned| match returned {
             Ok(requests) => v0_2_0::requests(requests),
             Err(text) => Err(PluginFault {
@@ -226,6 +234,9 @@ impl Plugin {
                     ),
                 };
                 fuel += taken.fuel;
+                if let Some(meter) = &self.meter {
+                    meter.snapshot(taken.fuel);
+                }
                 match taken.result {
                     Ok(state) => {
                         self.snapshot = Some(state);
@@ -240,7 +251,11 @@ impl Plugin {
                 }
             }
         }
-        let mut log = self.lines.keep(input.now, instance.take_log());
+        let (lines, dropped) = instance.take_log();
+        if let Some(meter) = &self.meter {
+            meter.dropped(dropped);
+        }
+        let mut log = self.lines.keep(input.now, (lines, dropped));
         let measures = self.measures.keep(input.now, instance.published(), &mut log);
         if result.as_ref().is_err_and(loses_the_instance) {
             self.instance = None;
@@ -310,6 +325,11 @@ impl Plugin {
         self.deadline_ticks = ticks;
     }
 
+    /// Measures every later step. `None`, the default, measures nothing and takes no time.
+    pub fn set_meter(&mut self, meter: Option<Arc<Meter>>) {
+        self.meter = meter;
+    }
+
     /// Whether it can be stepped; if not, it must be restarted.
     #[must_use]
     pub fn is_running(&self) -> bool {
@@ -353,6 +373,36 @@ impl Plugin {
         })?;
         Ok(instance.fuel_left())
     }
+}
+
+/// Creates an instance and calls `describe`.
+fn begin(
+    component: &Component,
+    budget: &Budget,
+    judge: Arc<dyn Judge>,
+) -> Result<(Instance, v0_2_0::Described), HostError> {
+    let name = || component.name().to_owned();
+    let start = |fault| HostError::Start { plugin: name(), fault };
+    let instance = Instance::new(component, budget, judge, budget.fuel_init, None);
+    let mut instance = instance.map_err(|fault| {
+        if fault.kind == FaultKind::Start {
+            HostError::Interface {
+                plugin: name(),
+                interface: component.interface().name(),
+                reason: fault.text,
+            }
+        } else {
+            start(fault)
+        }
+    })?;
+    let described = instance.call_on(CALL_BYTES, None, |exports, store| exports.describe(store));
+    let described = described.result.map_err(start)?;
+    let described = v0_2_0::description(described).map_err(|(what, expected)| HostError::Description {
+        plugin: name(),
+        what,
+        expected,
+    })?;
+    Ok((instance, described))
 }
 
 /// What ended in a recorded run when its wall-clock limit was reached.

@@ -21,12 +21,14 @@ pub const EXITS: [Exit; 4] = [
     Exit {
         code: MET,
         meaning: "Done. `sim`: every expectation held. `check`: ready. `fly`, `log judge`: no rule broke. `replay`: all \
-                  is identical. `s7k verify`: no fault. `run`: ended in order, also by a signal.",
+                  is identical. `s7k verify`: no fault. `plugin test`: tests and flights passed. `plugin check`: no \
+                  objection. `run`: ended in order, also by a signal.",
     },
     Exit {
         code: UNMET,
         meaning: "Done, and the answer is no. `sim`: an expectation did not hold. `check`: not ready. `fly`, `log judge`: \
-                  a rule broke. `replay`: something differs. `s7k verify`: a fault in the recording.",
+                  a rule broke. `replay`: something differs. `s7k verify`: a fault in the recording. `plugin test`: a \
+                  test or a flight failed. `plugin inspect`: not a plugin. `plugin check`: an objection.",
     },
     Exit {
         code: UNUSABLE,

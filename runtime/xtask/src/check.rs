@@ -16,8 +16,13 @@ use crate::workspace::Workspace;
 
 /// The version that is installed if none is.
 const DENY: (&str, &str) = ("cargo-deny", "0.20.2");
-/// Crates whose tests read files that belong to no crate.
-const READERS: [(&str, &str); 12] = [
+/// Crates that read files which belong to no crate or to another one: in tests or, as `plugin-tools`, into the program.
+const READERS: [(&str, &str); 17] = [
+    ("wit/", "backseat-plugin-tools"),
+    ("plugins/sdk/", "backseat-plugin-tools"),
+    ("plugins/template/", "backseat-plugin-tools"),
+    ("runtime/units/", "backseat-plugin-tools"),
+    ("missions/template/", "backseat-plugin-tools"),
     ("wit/", "backseat-sdk"),
     ("wit/", "backseat-plugin-host"),
     ("runtime/docs/", "backseat-mvc"),
@@ -129,6 +134,9 @@ fn changed_crates(workspace: &Workspace) -> Result<BTreeSet<String>> {
     }
     let mut changed = BTreeSet::new();
     for file in &files {
+        for (_, reader) in READERS.iter().filter(|(place, _)| file.starts_with(place)) {
+            changed.insert(workspace.find(reader)?);
+        }
         match workspace.owner(Path::new(file)) {
             Some(owner) => {
                 changed.insert(owner.to_owned());
@@ -139,12 +147,7 @@ fn changed_crates(workspace: &Workspace) -> Result<BTreeSet<String>> {
                 return Ok(workspace.all());
             }
             None if file == "Cargo.lock" && lock_changes_others()? => return Ok(workspace.all()),
-            None => {
-                let readers = READERS.iter().filter(|(place, _)| file.starts_with(place));
-                for (_, reader) in readers {
-                    changed.insert(workspace.find(reader)?);
-                }
-            }
+            None => {}
         }
     }
     Ok(changed)

@@ -27,8 +27,12 @@ pub(crate) struct Mutants {
     /// Only mutants whose names contain this text; the result is not kept
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
+    /// Change the files of this clone itself and not those of a copy, which saves a build: for a clone in which nobody
+    /// works
+    #[arg(long)]
+    in_place: bool,
     /// Run nothing; add up the results that are kept
-    #[arg(long, conflicts_with_all = ["shard", "only"])]
+    #[arg(long, conflicts_with_all = ["shard", "only", "in_place"])]
     sum: bool,
 }
 
@@ -64,6 +68,13 @@ pub(crate) fn mutants(arguments: &Mutants) -> Result<()> {
     if let Some(only) = &arguments.only {
         command.args(["--re", only]);
     }
+    if arguments.in_place {
+        command.arg("--in-place");
+    }
+    // Each mutant differs from the last one in a line, and the environment would win over the profile.
+    command
+        .env("CARGO_INCREMENTAL", "1")
+        .env_remove("RUSTC_WORKSPACE_WRAPPER");
     println!("> cargo mutants --config {CONFIG} --shard {}/{parts}", part - 1);
     let status = command.status().context("cargo mutants")?;
     // 2: mutants were missed. 3: some timed out. Both are told below.

@@ -6,14 +6,16 @@ use anyhow::{Context, Result, bail};
 use crate::cargo::{root, target};
 use crate::compile::compile_with;
 
-/// The crates that only simulation needs, and those with which people look at a dive ashore.
-const ASHORE: [&str; 9] = [
+/// The crates that only simulation needs, those with which people look at a dive ashore, and those that build plugins.
+const ASHORE: [&str; 11] = [
     "backseat-acoustics",
+    "backseat-componentize",
     "backseat-log-export",
     "backseat-mvc",
     "backseat-world",
     "backseat-oracle",
     "backseat-plc",
+    "backseat-plugin-tools",
     "backseat-scenario",
     "backseat-sim",
     "backseat-picture",

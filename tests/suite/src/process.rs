@@ -31,6 +31,9 @@ impl Process {
         fs::create_dir(&empty).expect("the folder is ours");
         command.current_dir(folder.as_ref().unwrap_or(&empty));
         command.env("XDG_STATE_HOME", streams.path().join("state"));
+        if !command.get_envs().any(|(name, _)| name == "XDG_DATA_HOME") {
+            command.env("XDG_DATA_HOME", streams.path().join("data"));
+        }
         let own = file("stdout");
         let stdout = stdout.map_or(own, |path| {
             let opened = File::options().write(true).open(&path);

@@ -3,6 +3,7 @@
 mod files;
 mod formats;
 mod kml;
+mod origin;
 mod places;
 mod refusals;
 mod renamed;

@@ -1,5 +1,6 @@
 //! Missions as folders.
 
+mod origin;
 mod plan;
 mod recorded;
 mod renamed;

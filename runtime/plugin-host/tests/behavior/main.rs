@@ -13,4 +13,5 @@ mod faults;
 mod fixture;
 mod interface;
 mod life_cycle;
+mod meter;
 mod round_trip;

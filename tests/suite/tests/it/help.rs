@@ -8,7 +8,7 @@ fn help_names_every_command_and_what_it_does() {
     let help = Backseat::new().arg("--help").run().exit(0);
     assert_eq!(help.stderr, "");
     for command in [
-        "sim", "run", "fly", "mvc", "plc", "check", "replay", "log", "spi", "s7k", "explain",
+        "sim", "run", "fly", "mvc", "plc", "check", "replay", "log", "plugin", "spi", "s7k", "explain",
     ] {
         assert!(
             help.stdout.lines().any(|line| line.trim_start().starts_with(command)),
@@ -101,6 +101,34 @@ fn every_command_explains_its_flags() {
         assert!(help.stdout.contains(argument), "{help}");
         for flag in flags {
             assert!(help.stdout.contains(flag), "{command} {flag}: {help}");
+        }
+    }
+}
+
+#[test]
+fn the_tools_for_plugins_explain_themselves() {
+    for (command, parts) in [
+        ("new", ["<NAME>", "BACKSEAT_KIT"].as_slice()),
+        ("build", &["[DIR]", "NAME.wasm"]),
+        ("test", &["[DIR]", "--seeds <N>", "Exit code"]),
+        ("inspect", &["[FILE.wasm|DIR]", "--json", "Exit code"]),
+        (
+            "check",
+            &[
+                "[DIR|FILE.wasm]",
+                "--mission",
+                "--plugin <NAME>",
+                "--plugins <DIR>",
+                "--seeds <N>",
+                "--set",
+                "--json",
+                "Exit code",
+            ],
+        ),
+    ] {
+        let help = Backseat::new().args(["plugin", command, "--help"]).run().exit(0);
+        for part in parts {
+            assert!(help.stdout.contains(part), "{command} {part}: {help}");
         }
     }
 }

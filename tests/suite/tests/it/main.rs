@@ -9,6 +9,7 @@ mod help;
 mod log_export;
 mod log_judge;
 mod older_plugin;
+mod plugin;
 mod predive;
 mod prober;
 mod real_time;

@@ -265,8 +265,15 @@ fn sr_017_beginning_to_trigger_the_dvl_needs_control_and_ending_it_does_not() {
         }
         for text in ["$BPDVR,081025.987,0,1", "$BPDVR,081025.987,1,1"] {
             let message = ToVehicle::decode(&Sentence::parse(text).unwrap()).unwrap();
-            let sent = situation.core.cx.pass(Some(Owner::Plugin(PluginId(0))), &message, None);
-            assert!(!sent || situation.control, "{text} in `{}`", situation.name);
+            for permitted in [false, true] {
+                situation.core.cx.monitor.permits.may_trigger = permitted;
+                assert_eq!(
+                    situation.core.cx.pass(Some(Owner::Plugin(PluginId(0))), &message, None),
+                    permitted && situation.link && situation.control,
+                    "{text} in `{}`, permitted: {permitted}",
+                    situation.name
+                );
+            }
         }
     }
 }

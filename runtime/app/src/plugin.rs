@@ -1,0 +1,90 @@
+//! `backseat plugin`: the tools of a plugin's author.
+
+mod build;
+mod check;
+mod inspect;
+mod new;
+mod test;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::Result;
+use backseat_plugin_tools::{ComponentFile, Project, Stopwatch};
+use clap::{Args, Subcommand};
+
+use crate::clock::Clock;
+use crate::terminal::tell;
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Plugin {
+    /// Make a new plugin in the folder NAME
+    ///
+    /// The folder has a crate with a unit test, the mission of its test flights, and a Cargo.lock with the versions that
+    /// this program was tested with. It depends on the SDK, which this program unpacks once for each version into
+    /// BACKSEAT_KIT [default: backseat/kit in XDG_DATA_HOME, or in ~/.local/share].
+    New(new::New),
+    /// Build the component of a plugin, DIR/NAME.wasm
+    ///
+    /// The same sources give the same component, byte for byte, wherever the folder is, as long as the SDK is at the same
+    /// place. It imports nothing of the system (no WASI).
+    Build(Folder),
+    /// Run a plugin's unit tests, build it, and fly its mission over some seeds
+    ///
+    /// The flights are those of `backseat sim DIR/mission`. Exit code: 0 if the unit tests passed and every flight met the
+    /// expectations of world.toml, 1 if not, 2 if the plugin cannot be built or flown.
+    Test(test::Test),
+    /// Show what a component is: hash, size, name, version, imports and exports
+    ///
+    /// Exit code: 0 if it is a plugin that this program can run, 1 if it is another component, 2 if it is none.
+    Inspect(inspect::Inspect),
+    /// Write the report that an operator signs off: what a plugin asks for and uses, over simulated trials
+    ///
+    /// Nothing is built: the report is about the file as it is, and names it by its SHA-256. It has what the component
+    /// imports and says about itself, what the mission gives to it, and what it did in the trials: its requests and how
+    /// they ended, the grants that it used and lacked, fuel, memory and time of a step, faults, and violations of the
+    /// safety rules.
+    ///
+    /// Exit code: 0 without an objection, 1 with one, 2 if the component or the mission cannot be used.
+    Check(check::Check),
+}
+
+/// The folder of a plugin.
+#[derive(Debug, Args)]
+pub(crate) struct Folder {
+    /// The plugin's folder, with its Cargo.toml
+    #[arg(default_value = ".")]
+    pub(crate) dir: PathBuf,
+}
+
+pub(crate) fn plugin(command: &Plugin) -> Result<bool> {
+    match command {
+        Plugin::New(arguments) => new::new(arguments),
+        Plugin::Build(arguments) => build::build(arguments),
+        Plugin::Test(arguments) => test::test(arguments),
+        Plugin::Inspect(arguments) => inspect::inspect(arguments),
+        Plugin::Check(arguments) => check::check(arguments),
+    }
+}
+
+/// Reads a component, and says if the sources beside it are newer.
+fn read_component(path: &std::path::Path) -> Result<ComponentFile> {
+    if path.is_dir() {
+        let project = Project::open(path)?;
+        let component = project.built()?;
+        if let Some(source) = project.newer_source() {
+            tell(&format!(
+                "{} is older than {}: `backseat plugin build` makes it anew",
+                component.display(),
+                source.display()
+            ));
+        }
+    }
+    Ok(ComponentFile::read(path)?)
+}
+
+/// The time since now.
+fn stopwatch() -> Stopwatch {
+    let clock = Clock::start();
+    Arc::new(move || clock.elapsed())
+}

@@ -1,0 +1,23 @@
+use anyhow::Result;
+use backseat_plugin_tools::{ComponentFile, Kit, Project};
+
+use super::Folder;
+use crate::output::say;
+
+pub(super) fn build(arguments: &Folder) -> Result<bool> {
+    let project = Project::open(&arguments.dir)?;
+    build_project(&project, &Kit::ready()?)?;
+    Ok(true)
+}
+
+/// Builds the component, and says what it is.
+pub(super) fn build_project(project: &Project, kit: &Kit) -> Result<()> {
+    let component = ComponentFile::read(&backseat_plugin_tools::build(project, kit)?)?;
+    say!(
+        "built {}: {} kB, SHA-256 {}",
+        component.path.display(),
+        component.bytes.len() / 1024,
+        component.sha256
+    );
+    Ok(())
+}

@@ -1,0 +1,85 @@
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use backseat_mission::Layers;
+use backseat_plugin_tools::{Report, Task, ToolError};
+use clap::{Args, value_parser};
+use serde_json::json;
+
+use super::{read_component, stopwatch};
+use crate::cache::host_with;
+use crate::output::say;
+use crate::plugins::DEADLINE;
+use crate::sim::progress_bar;
+
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    /// A component, or a plugin's folder with its component
+    #[arg(value_name = "DIR|FILE.wasm", default_value = ".")]
+    component: PathBuf,
+    /// The mission that the plugin is to fly in [default: the folder `mission` beside the component]
+    #[arg(long, value_name = "MISSION")]
+    mission: Option<PathBuf>,
+    /// Which plugin of the mission it is, by its name there [default: the one whose component has this file's name, or
+    /// the only one]
+    #[arg(long, value_name = "NAME")]
+    plugin: Option<String>,
+    /// Look in this folder first for other plugins that the mission names without a path
+    #[arg(long, value_name = "DIR", value_parser = crate::cli::folder)]
+    plugins: Option<PathBuf>,
+    /// How many trials, with the seeds from 1 on
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = value_parser!(u64).range(1..=100_000))]
+    seeds: u64,
+    /// Set a key of mission.toml, such as limits.speed_max_mps=1.8; overrides the file and the environment
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn check(arguments: &Check) -> Result<bool> {
+    let component = read_component(&arguments.component)?;
+    let mission = match &arguments.mission {
+        Some(mission) => mission.clone(),
+        None => mission_beside(&component.path)?,
+    };
+    let task = Task {
+        component: &component,
+        mission: &mission,
+        layers: Layers {
+            set: arguments.set.clone(),
+            environment: true,
+        },
+        plugin: arguments.plugin.as_deref(),
+        plugins: arguments.plugins.as_deref(),
+        seeds: arguments.seeds,
+        deadline: DEADLINE,
+        stopwatch: stopwatch(),
+    };
+    let progress = progress_bar(arguments.json);
+    let report = Report::of(&task, &host_with(true)?, |seed| {
+        progress.set_message(format!("trial {seed} of {}", arguments.seeds));
+        progress.tick();
+    });
+    progress.finish_and_clear();
+    let report = report?;
+    if arguments.json {
+        let mut object = serde_json::to_value(&report)?;
+        object["passed"] = json!(report.passed());
+        say!("{object}");
+    } else {
+        say!("{report}");
+    }
+    Ok(report.passed())
+}
+
+/// The mission of the folder that a component is in.
+fn mission_beside(component: &Path) -> Result<PathBuf, ToolError> {
+    let mission = component.with_file_name("mission");
+    if mission.is_dir() {
+        Ok(mission)
+    } else {
+        Err(ToolError::NoMission { path: mission })
+    }
+}

@@ -1,0 +1,96 @@
+use std::path::Path;
+
+use anyhow::Result;
+use backseat_mission::{Layers, Mission};
+use backseat_plugin_loader::Components;
+use backseat_plugin_tools::{Flights, Kit, Project, unit_tests};
+use backseat_scenario::Scenario;
+use backseat_sim::Report;
+use clap::Args;
+use clap::value_parser;
+
+use super::Folder;
+use super::build::build_project;
+use crate::cache::host_with;
+use crate::output::say;
+
+#[derive(Debug, Args)]
+pub(crate) struct Test {
+    #[command(flatten)]
+    folder: Folder,
+    /// How many flights, with the seeds from 1 on
+    #[arg(long, default_value_t = 5, value_name = "N", value_parser = value_parser!(u64).range(1..=100_000))]
+    seeds: u64,
+}
+
+pub(super) fn test(arguments: &Test) -> Result<bool> {
+    let project = Project::open(&arguments.folder.dir)?;
+    let kit = Kit::ready()?;
+    if !unit_tests(&project, &kit)? {
+        say!("the unit tests failed, so nothing was built and flown");
+        return Ok(false);
+    }
+    build_project(&project, &kit)?;
+    let flown = fly(&project, arguments.seeds)?;
+    say!(
+        "{}: unit tests passed, {} of {} flights met what is expected",
+        project.name(),
+        flown,
+        arguments.seeds
+    );
+    Ok(flown == arguments.seeds)
+}
+
+/// Flies the project's mission. Returns how many flights met what is expected.
+fn fly(project: &Project, seeds: u64) -> Result<u64> {
+    let folder = project.mission();
+    let layers = Layers {
+        set: Vec::new(),
+        environment: true,
+    };
+    let mission = Mission::load(&folder, &layers)?;
+    let paths = mission.components(None)?;
+    project.require_flown(&paths)?;
+    let scenario = Scenario::load(&mission)?;
+    let components = Components::load(&host_with(true)?, &mission, None)?;
+    let flights = Flights {
+        mission: &mission,
+        scenario: &scenario,
+        components: &components,
+    };
+    let mut good = 0;
+    for seed in 1..=seeds {
+        let report = flights.fly(seed)?;
+        say!("{}", line(&folder, &report));
+        good += u64::from(report.passed());
+    }
+    Ok(good)
+}
+
+/// A flight in a line.
+fn line(folder: &Path, report: &Report) -> String {
+    let Report {
+        seed,
+        outcome,
+        requests,
+        ..
+    } = report;
+    let mut text = format!(
+        "{}, seed {seed}: {outcome} after {:.1} min; {requests}",
+        folder.display(),
+        report.sim_seconds / 60.0
+    );
+    let failures = report.plugin_first_failures.iter();
+    for (plugin, first) in failures {
+        text.push_str(&format!(
+            "; plugin {plugin} failed at {:.1} s: {}",
+            first.at_s, first.text
+        ));
+    }
+    if report.passed() {
+        text.push_str("; all expectations met");
+    } else {
+        text.push_str(&format!("; NOT MET: {}", report.unmet.join("; ")));
+    }
+    text
+}

@@ -1,0 +1,42 @@
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::error::ToolError;
+use crate::kit::Kit;
+use crate::project::Project;
+
+/// Runs the author's unit tests with `cargo test`, whose output goes to this program's streams. Returns whether they
+/// passed.
+///
+/// # Errors
+///
+/// [`ToolError::NoSdk`] if the SDK is not where the plugin looks for it, [`ToolError::NoRust`] without cargo.
+pub fn unit_tests(project: &Project, kit: &Kit) -> Result<bool, ToolError> {
+    project.require_sdk(kit)?;
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(&cargo).arg("test").current_dir(project.folder()).status();
+    let status = status.map_err(|source| ToolError::NoRust {
+        tool: cargo.to_string_lossy().into_owned(),
+        source,
+    })?;
+    Ok(status.success())
+}
+
+/// Builds the component, and returns its path. Cargo's messages go to standard error.
+///
+/// # Errors
+///
+/// [`ToolError`] in one line, after the messages of cargo if the code does not compile.
+pub fn build(project: &Project, kit: &Kit) -> Result<PathBuf, ToolError> {
+    project.require_sdk(kit)?;
+    let built = backseat_componentize::build(project.folder(), &[], project.folder())?;
+    let component = project.component();
+    if built.iter().any(|file| file.file_name() == component.file_name()) {
+        Ok(component)
+    } else {
+        Err(ToolError::OtherPackage {
+            folder: project.folder().to_path_buf(),
+            name: project.name().to_owned(),
+        })
+    }
+}

@@ -140,7 +140,8 @@ class Briefing:
 
     - ``config``: ``[plugin.config]`` in the mission file, as JSON. The SDK has read it already.
     - ``grants``: what the mission allows the plugin to ask for.
-    - ``origin``: of the mission's local frame: the fence's centroid.
+    - ``origin``: of the mission's local frame: ``[origin]`` of the mission file, or without it the centroid of the
+      fence's keep-in zones.
     - ``zones``: the whole fence, in the order of its file.
     """
 

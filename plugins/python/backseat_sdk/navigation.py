@@ -14,7 +14,8 @@ class Navigation:
 
     - ``age_ns``: the age of the solution at this step, ns.
     - ``position``: WGS84.
-    - ``east``, ``north``: the same position in the mission's local frame, metres from the fence's centroid.
+    - ``east``, ``north``: the same position in the mission's local frame, metres from its origin
+      (``Briefing.origin``).
     - ``depth``: metres below the surface, positive down.
     - ``altitude``: metres above the seabed; ``None`` without bottom lock.
     - ``heading``: degrees clockwise from true north. The runtime has removed the grid's convergence.

@@ -12,6 +12,7 @@ mod hunt;
 mod mutants;
 mod mutations;
 mod plugins;
+mod python;
 mod reference;
 mod safety;
 mod sea;
@@ -64,6 +65,9 @@ enum Task {
     /// Open the exports of `s7k export` and `log export` with readers that others wrote (from PyPI), and compare every
     /// figure
     Exports,
+    /// Test the SDK for plugins in Python and fly its plugins, with componentize-py (from PyPI); builds the components of
+    /// the plugins in Python into target/plugins
+    Python,
     /// Generate the pages in runtime/docs/reference and the schemas in missions/schemas from runtime/reference/keys
     Reference,
     /// Check the project's own rules
@@ -84,6 +88,7 @@ fn main() -> ExitCode {
         Task::Mutants(arguments) => mutants::mutants(&arguments),
         Task::Digest(arguments) => digest::digest(&arguments),
         Task::Exports => exports::exports(),
+        Task::Python => python::python(),
         Task::Reference => reference::reference(),
         Task::Tidy => tidy::tidy(),
     };

@@ -12,6 +12,7 @@ use crate::digest::{self, Digest};
 use crate::exports;
 use crate::hunt::{self, Hunt};
 use crate::plugins;
+use crate::python;
 use crate::seeds::{self, Seeds};
 use crate::steps::Steps;
 use crate::tests::prepare;
@@ -37,11 +38,12 @@ pub(crate) struct Soak {
 type Task = (&'static str, fn() -> Result<()>);
 
 /// The steps, the longest last.
-const TASKS: [Task; 12] = [
+const TASKS: [Task; 13] = [
     ("property tests, other and more cases", properties),
     ("seeds of the reference missions", flights),
     ("same bytes in debug and release", same_bytes),
     ("sonar exports in other readers", exports::exports),
+    ("plugins in Python", python::python),
     ("kills of the runtime", || long(&["kills", "--trials", "100"])),
     ("dives with faults, replayed", || long(&["replays", "--dives", "100"])),
     ("faulty plugins beside a good one", || long(&["beside"])),

@@ -1,0 +1,190 @@
+"""Makes a component of a plugin: ``python -m backseat_sdk.build DIR -o NAME.wasm``.
+
+It needs componentize-py 0.25 in the same Python environment, and nothing else. The component has all that the plugin
+imports while it is built, and the state of its modules at that moment. Its imports are checked: it must need nothing
+but the runtime's own interface.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import importlib.metadata
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from .component_file import BadComponent, names
+
+#: The version of componentize-py that this SDK was tested with.
+COMPONENTIZE = "0.25.1"
+#: The folder of `wit/`, and the interface in it; `_wit.py` depends on them.
+VERSION, PACKAGE, WORLD = "v0.2.0", "backseat:plugin", "plugin"
+EXPORTS = {"describe", "init", "step", "snapshot", "restore"}
+#: The largest component that the runtime loads, bytes.
+COMPONENT_BYTES = 32 << 20
+#: The module that componentize-py runs. Its name must not be that of a world or of an author's module.
+ENTRY = "backseat_entry"
+ENTRY_TEXT = """\
+import sys
+sys.dont_write_bytecode = True
+from backseat_sdk import _sandbox
+_sandbox.before_import()
+import {module}
+from backseat_sdk import _component
+WitWorld = _component.world(_component.find({module}, {name!r}))
+_sandbox.after_import()
+"""
+#: Runs componentize-py as its own script does.
+SCRIPT = "from componentize_py import script; script()"
+
+
+class BuildError(Exception):
+    """Why a plugin could not be built, in one line."""
+
+
+def build(folder: Path, output: Path, module: str = "plugin", name: str | None = None, wit: Path | None = None) -> None:
+    """Builds the plugin of a folder. ``name`` is that of its class, where the module has more than one.
+
+    Raises ``BuildError``. What componentize-py says about a plugin that cannot be imported goes to standard error.
+    """
+    _check_sources(folder, module)
+    interface = wit or _interface()
+    if not (interface / "plugin.wit").is_file():
+        raise BuildError(f"{interface}: no plugin.wit there; give the folder of the interface with --wit")
+    _check_componentize()
+    package = Path(__file__).resolve().parent
+    # Built beside its place, so that a failure leaves no half of a component.
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="backseat-build-") as entry:
+        Path(entry, f"{ENTRY}.py").write_text(ENTRY_TEXT.format(module=module, name=name), encoding="utf-8")
+        draft = output.with_name(f".{output.name}.{os.getpid()}")
+        paths = [path for each in (entry, str(folder.resolve()), str(package.parent)) for path in ("-p", each)]
+        command = [sys.executable, "-c", SCRIPT, "-q", "-d", str(interface), "-w", WORLD]
+        command += ["componentize", "--stub-wasi", *paths, "-o", str(draft), ENTRY]
+        try:
+            finished = subprocess.run(command, capture_output=True, text=True, check=False)
+            if finished.returncode != 0:
+                sys.stderr.write(_traceback(finished.stderr))
+                raise BuildError(f"{folder}: {_why(finished.stderr)}")
+            check_component(draft)
+            os.replace(draft, output)
+        finally:
+            draft.unlink(missing_ok=True)
+
+
+def check_component(path: Path) -> set[str]:
+    """Checks that a component needs nothing but the runtime's interface, and returns what it imports.
+
+    Raises ``BuildError`` with what is wrong.
+    """
+    data = path.read_bytes()
+    if len(data) > COMPONENT_BYTES:
+        raise BuildError(
+            f"{path}: {len(data) / 2**20:.1f} MiB, and the runtime loads at most {COMPONENT_BYTES >> 20}: import less"
+        )
+    try:
+        imports, exports = names(data)
+    except BadComponent as error:
+        raise BuildError(f"{path}: no component: {error}") from None
+    foreign = sorted(each for each in imports if not each.startswith(f"{PACKAGE}/"))
+    if foreign:
+        raise BuildError(f"{path}: imports {', '.join(foreign)}, which the runtime does not have; was it stubbed?")
+    missing = sorted(EXPORTS - exports)
+    if missing:
+        raise BuildError(f"{path}: exports no {', '.join(missing)}")
+    return imports
+
+
+def _interface() -> Path:
+    """The folder with the interface: beside the SDK, or in the project that the SDK is a part of."""
+    package = Path(__file__).resolve().parent
+    for folder in (package / "wit" / VERSION, package.parents[2] / "wit" / VERSION):
+        if folder.is_dir():
+            return folder
+    raise BuildError(f"no folder wit/{VERSION} beside {package}; give it with --wit")
+
+
+def _check_sources(folder: Path, module: str) -> None:
+    """Finds what would otherwise be a long traceback: no module, or a module that is no Python."""
+    if not folder.is_dir():
+        raise BuildError(f"{folder}: no such folder")
+    found = [path for path in (folder / f"{module}.py", folder / module / "__init__.py") if path.is_file()]
+    if not found:
+        raise BuildError(f"{folder}: no {module}.py; name another module with --module")
+    for path in _python_files(folder):
+        try:
+            ast.parse(path.read_text(encoding="utf-8"), str(path))
+        except SyntaxError as error:
+            raise BuildError(f"{path}:{error.lineno}: {error.msg}") from None
+
+
+def _python_files(folder: Path) -> Iterator[Path]:
+    """The sources of a folder, without hidden folders and environments in it."""
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith(".") or (path / "pyvenv.cfg").exists():
+            continue
+        if path.is_dir():
+            yield from _python_files(path)
+        elif path.suffix == ".py":
+            yield path
+
+
+def _check_componentize() -> None:
+    wanted = COMPONENTIZE.rpartition(".")[0]
+    try:
+        found = importlib.metadata.version("componentize-py")
+    except importlib.metadata.PackageNotFoundError:
+        found = "none"
+    if found != wanted and not found.startswith(f"{wanted}."):
+        raise BuildError(
+            f"componentize-py {wanted} is needed and {found} is installed: "
+            f"{sys.executable} -m pip install componentize-py=={COMPONENTIZE}"
+        )
+
+
+def _traceback(said: str) -> str:
+    """The traceback of the plugin's own import in componentize-py's output; all of the output, if there is none."""
+    _, found, inner = said.partition("AssertionError: Traceback")
+    if not found:
+        return said
+    return "Traceback" + inner.partition("\n\n\n")[0].rstrip() + "\n"
+
+
+def _why(said: str) -> str:
+    """The line that says why: the end of the traceback, with its innermost place."""
+    _, found, last = _traceback(said).rpartition("Traceback (most recent call last):")
+    places = re.findall(r'File "/\d+/([^"]+)", line (\d+)', last)
+    ends = [line for line in last.splitlines() if line and not line[0].isspace()]
+    if not found or not ends:
+        return said.strip().splitlines()[-1] if said.strip() else "componentize-py failed without a word"
+    return f"{places[-1][0]}:{places[-1][1]}: {ends[0]}" if places else ends[0]
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command line; the exit code is 0, or 1 after one line that says what is wrong."""
+    parser = argparse.ArgumentParser(prog="python -m backseat_sdk.build", description="Build a plugin's component")
+    parser.add_argument("folder", metavar="DIR", type=Path, help="the folder with the plugin")
+    parser.add_argument("-o", "--output", metavar="NAME.wasm", type=Path, required=True, help="the component to write")
+    parser.add_argument("--module", default="plugin", help="the module with the plugin's class [default: plugin]")
+    parser.add_argument("--class", dest="name", help="the plugin's class, if the module has several")
+    parser.add_argument("--wit", metavar="DIR", type=Path, help="the folder with plugin.wit [default: the SDK's own]")
+    given = parser.parse_args(arguments)
+    began = time.monotonic()
+    try:
+        build(given.folder, given.output, given.module, given.name, given.wit)
+    except (BuildError, OSError) as error:
+        print(f"backseat_sdk.build: {error}", file=sys.stderr)
+        return 1
+    size = given.output.stat().st_size / 2**20
+    print(f"{given.output}: {size:.1f} MiB, in {time.monotonic() - began:.1f} s")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

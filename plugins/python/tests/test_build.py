@@ -1,0 +1,105 @@
+"""The builder's checks that need no build."""
+
+import pytest
+from backseat_sdk import build
+from backseat_sdk.component_file import BadComponent, names
+
+PREAMBLE = b"\0asm\x0d\0\x01\0"
+
+
+def text(name):
+    return bytes([len(name)]) + name.encode()
+
+
+def section(number, *entries):
+    content = bytes([len(entries)]) + b"".join(entries)
+    return bytes([number, len(content)]) + content
+
+
+def an_import(name, kind=5):
+    # An instance type's index; for a type, the bound `eq` with an index.
+    return b"\0" + text(name) + (bytes([kind, 0]) if kind != 3 else bytes([3, 0, 7]))
+
+
+def an_export(name):
+    return b"\0" + text(name) + bytes([1, 0, 0])
+
+
+EXPORTS = section(11, *(an_export(name) for name in sorted(build.EXPORTS)))
+LOG = "backseat:plugin/log@0.2.0"
+
+
+def component(tmp_path, *parts):
+    path = tmp_path / "x.wasm"
+    path.write_bytes(PREAMBLE + b"".join(parts))
+    return path
+
+
+def test_a_component_that_needs_only_the_runtime_passes(tmp_path):
+    custom = bytes([0, 5]) + text("abcd")
+    path = component(tmp_path, custom, section(10, an_import(LOG), an_import("request", 3)), EXPORTS)
+    assert build.check_component(path) == {LOG}
+
+
+@pytest.mark.parametrize(
+    "parts, told",
+    [
+        ([section(10, an_import(LOG), an_import("wasi:cli/stdin@0.2.0")), EXPORTS], "imports wasi:cli/stdin@0.2.0, "),
+        ([section(10, an_import(LOG)), section(11, an_export("step"))], "exports no describe, init, restore, snapshot"),
+        ([bytes([10, 90, 1])], "no component: section 10 at byte 10 is longer than the file"),
+        ([section(10, b"\x07" + text("x"))], "no component: a name of an unknown kind, 7"),
+    ],
+)
+def test_any_other_is_refused(tmp_path, parts, told):
+    with pytest.raises(build.BuildError, match="x.wasm: ") as refused:
+        build.check_component(component(tmp_path, *parts))
+    assert told in str(refused.value)
+
+
+def test_a_module_is_no_component():
+    with pytest.raises(BadComponent, match="does not begin as one"):
+        names(b"\0asm\x01\0\0\0")
+
+
+def test_a_component_that_is_too_large_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(build, "COMPONENT_BYTES", 10)
+    with pytest.raises(build.BuildError, match="import less"):
+        build.check_component(component(tmp_path, EXPORTS))
+
+
+def run(capsys, *arguments):
+    code = build.main([str(argument) for argument in arguments])
+    said = capsys.readouterr().err
+    assert code == 1 and said.count("\n") == 1, said
+    return said
+
+
+def test_a_folder_without_a_plugin_is_refused_in_one_line(tmp_path, capsys):
+    output = tmp_path / "out" / "x.wasm"
+    assert "nowhere: no such folder" in run(capsys, tmp_path / "nowhere", "-o", output)
+    assert "no plugin.py; name another module with --module" in run(capsys, tmp_path, "-o", output)
+    (tmp_path / "plugin.py").write_text("def step(:\n", encoding="utf-8")
+    assert "plugin.py:1: invalid syntax" in run(capsys, tmp_path, "-o", output)
+    (tmp_path / "plugin.py").write_text("x = 1\n", encoding="utf-8")
+    assert "no plugin.wit there" in run(capsys, tmp_path, "-o", output, "--wit", tmp_path)
+    assert not output.exists()
+
+
+def test_another_version_of_componentize_py_is_refused(tmp_path, capsys, monkeypatch):
+    (tmp_path / "plugin.py").write_text("x = 1\n", encoding="utf-8")
+    monkeypatch.setattr(build.importlib.metadata, "version", lambda _: "0.24.0")
+    said = run(capsys, tmp_path, "-o", tmp_path / "x.wasm")
+    assert f"pip install componentize-py=={build.COMPONENTIZE}" in said
+
+
+def test_the_reason_is_the_end_of_the_traceback_and_its_place():
+    said = (
+        'Traceback (most recent call last):\n  File "<string>", line 1, in <module>\n'
+        "AssertionError: Traceback (most recent call last):\n"
+        '  File "/0/backseat_entry.py", line 3, in <module>\n    import plugin\n'
+        '  File "/1/plugin.py", line 2, in <module>\n    import numpy\n'
+        "ModuleNotFoundError: No module named 'numpy'\n\n\nCaused by:\n    x\n\nStack backtrace:\n   0: y\n"
+    )
+    assert build._why(said) == "plugin.py:2: ModuleNotFoundError: No module named 'numpy'"
+    assert "backtrace" not in build._traceback(said)
+    assert build._why("error: no such world\n") == "error: no such world"

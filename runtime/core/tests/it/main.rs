@@ -6,6 +6,7 @@
 
 mod acoustic;
 mod adjustments;
+mod admission;
 mod arbiter;
 mod clock;
 mod control;

@@ -7,6 +7,7 @@
 
 mod admission;
 mod project;
+mod tutorial;
 
 use std::path::{Path, PathBuf};
 
@@ -18,6 +19,16 @@ fn plugin(folder: &Path, arguments: &[&str]) -> Backseat {
         .arg("plugin")
         .args(arguments.iter().copied())
         .in_folder(folder)
+}
+
+/// The folder of the kit that these tests unpack, once for all of them.
+fn kit() -> PathBuf {
+    target().join("plugin-kit")
+}
+
+/// Where the tests' plugins are compiled. What they have in common is compiled once.
+fn target() -> PathBuf {
+    backseat_test_support::plugins().parent().unwrap().to_owned()
 }
 
 /// A component of this project.

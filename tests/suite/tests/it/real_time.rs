@@ -14,7 +14,7 @@ mod mvc;
 mod mvc_orders;
 mod mvc_start;
 mod operator;
-mod pages;
+pub(crate) mod pages;
 mod plc;
 mod replay;
 mod sea;

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use backseat_suite::{Finished, Process};
 
-use super::plugin;
+use super::{kit, plugin, target};
 
 /// How long the first build of the SDK may take on a busy computer.
 const BUILT_WITHIN: Duration = Duration::from_secs(280);
@@ -29,16 +29,16 @@ fn ended(mut process: Process) -> Finished {
     }
 }
 
-/// The only test that compiles the SDK. What it compiles is kept in the target folder for the next time.
+/// With the tutorial's, the only test that compiles the SDK. What it compiles is kept in the target folder for the next
+/// time.
 #[test]
 fn a_new_plugin_passes_its_tests_and_flies_and_one_that_is_wrong_does_not() {
     let place = tempfile::tempdir().unwrap();
-    let target = backseat_test_support::plugins().parent().unwrap();
-    let kit = target.join("plugin-kit");
+    let (target, kit) = (target(), kit());
     let run = |folder: &Path, arguments: &[&str]| {
         let command = plugin(folder, arguments)
             .env("BACKSEAT_KIT", &kit)
-            .env("CARGO_TARGET_DIR", target)
+            .env("CARGO_TARGET_DIR", &target)
             // Everything is in the registry's cache already, in the versions of the new plugin's Cargo.lock.
             .env("CARGO_NET_OFFLINE", "true");
         ended(command.spawn())

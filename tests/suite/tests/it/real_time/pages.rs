@@ -65,7 +65,7 @@ fn clone() -> TempDir {
 }
 
 /// The lines of a page's `sh` blocks.
-fn script(page: &str) -> String {
+pub(crate) fn script(page: &str) -> String {
     let text = fs::read_to_string(workspace().join(page)).expect("the page is there");
     let mut lines = Vec::new();
     let mut inside = false;

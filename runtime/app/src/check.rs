@@ -4,7 +4,7 @@ use anyhow::Result;
 use backseat_core::PluginSetup;
 use backseat_core::plugin::Topic;
 use backseat_fence::{Kind, Window};
-use backseat_mission::Mission;
+use backseat_mission::{Mission, with_suggestion};
 use backseat_plugin_host::{COMPILE_TIME, COMPONENT_BYTES, Host, Origin};
 use backseat_plugin_loader::load_plugins;
 use backseat_units::Utc;
@@ -175,7 +175,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         Err(error) => findings.push(format!("state: {error:#}")),
     }
     for finding in &findings {
-        say!("{finding}");
+        say!("{}", with_suggestion(finding));
     }
     good &= findings.is_empty();
     say!("{}", if good { "ready" } else { "not ready" });

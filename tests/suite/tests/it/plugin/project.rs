@@ -83,6 +83,21 @@ fn a_new_plugin_passes_its_tests_and_flies_and_one_that_is_wrong_does_not() {
         "{checked}"
     );
 
+    // A plugin that panics, although its mission expects nothing about that.
+    let source = folder.join("src/lib.rs");
+    let text = fs::read_to_string(&source).unwrap();
+    let panics = "self.tag += 1;\n        assert!(self.tag != 50, \"the fiftieth request\");";
+    fs::write(&source, text.replace("self.tag += 1;", panics)).unwrap();
+    let panicked = run(&folder, &["test", "--seeds", "1"]).exit(1);
+    assert!(
+        panicked.stdout.contains("; NOT MET: plugin drift failed at "),
+        "{panicked}"
+    );
+    assert!(panicked.stdout.contains("the fiftieth request"), "{panicked}");
+    assert!(panicked.stdout.contains("0 of 1 flights"), "{panicked}");
+    fs::write(&source, text).unwrap();
+    let _ = run(&folder, &["build"]).exit(0);
+
     // What is expected and does not happen.
     let world = folder.join("mission/world.toml");
     let text = fs::read_to_string(&world).unwrap();

@@ -30,7 +30,7 @@ fn the_adaptive_lawnmower_flies_as_its_tutorial_says() {
         told.contains("unit tests passed, 5 of 5 flights met what is expected"),
         "{told}\n{errors}"
     );
-    assert!(errors.contains("degrees, the next 30 m on"), "{errors}");
+    assert!(errors.contains("degrees, so 30 m on"), "{errors}");
     // The report of the flight, and then pairs: the adaptive lawnmower, and even lines over the same sea.
     let shares: Vec<f64> = told
         .lines()

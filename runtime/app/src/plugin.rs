@@ -31,8 +31,8 @@ pub(crate) enum Plugin {
     Build(Folder),
     /// Run a plugin's unit tests, build it, and fly its mission over some seeds
     ///
-    /// The flights are those of `backseat sim DIR/mission`. Exit code: 0 if the unit tests passed and every flight met the
-    /// expectations of world.toml, 1 if not, 2 if the plugin cannot be built or flown.
+    /// The flights are those of `backseat sim DIR/mission`. Exit code: 0 if the unit tests passed, no plugin failed in a
+    /// flight, and every flight met the expectations of world.toml, 1 if not, 2 if the plugin cannot be built or flown.
     Test(test::Test),
     /// Show what a component is: hash, size, name, version, imports and exports
     ///

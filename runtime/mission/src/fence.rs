@@ -115,16 +115,28 @@ pub(crate) fn read_text(
         Some(origin) => Some(origin.position().map_err(|message| value(&mission(), message))?),
         None => None,
     };
-    let fence = match file {
-        "fence.plan" => Fence::read(&text, Form::Plan(&terms()?), origin),
-        "fence.kml" => Fence::read(&text, Form::Kml(&terms()?), origin),
+    let kept;
+    let form = match file {
+        "fence.plan" => {
+            kept = terms()?;
+            Form::Plan(&kept)
+        }
+        "fence.kml" => {
+            kept = terms()?;
+            Form::Kml(&kept)
+        }
         _ if table.is_some() => {
             let doubled = "[fence] is for fence.plan and fence.kml only: fence.geojson has these values itself";
             return Err(value(&mission(), doubled.to_owned()));
         }
-        _ => Fence::read(&text, Form::GeoJson, origin),
+        _ => Form::GeoJson,
     };
-    let fence = fence.map_err(|error| value(&path, with_suggestion(&error.to_string())))?;
+    let fence = Fence::read(&text, form, origin).map_err(|error| {
+        // If the fence is good without the origin, the fault is in the file that has the origin.
+        let is_the_origins = origin.is_some() && Fence::read(&text, form, None).is_ok();
+        let at = if is_the_origins { mission() } else { path };
+        value(&at, with_suggestion(&error.to_string()))
+    })?;
     let (text, as_read) = if file == "fence.geojson" && has_areas_alone(&text) {
         (text, None)
     } else {

@@ -167,10 +167,6 @@ impl Host {
     pub fn increment_epoch(&self) {
         self.engine.increment_epoch();
     }
-
-    pub(crate) fn engine(&self) -> &Engine {
-        &self.engine
-    }
 }
 
 impl Component {

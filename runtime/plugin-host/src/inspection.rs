@@ -3,40 +3,7 @@ use wasmtime::component::Component;
 use wasmtime::component::types::ComponentItem;
 
 use crate::error::{HostError, one_line};
-use crate::host::{COMPONENT_BYTES, Host};
 use crate::interface::{EXPORTS, IMPORTS_TEXT, Interface};
-
-/// The imports and exports of a component.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Inspection {
-    /// The interfaces and functions that it imports, with their versions.
-    pub imports: Vec<String>,
-    /// The names of its exports.
-    pub exports: Vec<String>,
-    /// Its size, bytes.
-    pub size: usize,
-    /// The version of the interface that it was made for; `None` if it imports no version that the host knows.
-    pub interface: Option<Interface>,
-}
-
-/// Lists the imports and exports of any component, plugin or not.
-///
-/// # Errors
-///
-/// A [`HostError`] if the bytes are not a valid component.
-pub fn inspect(bytes: &[u8]) -> Result<Inspection, HostError> {
-    let host = Host::new()?;
-    check_form("component", bytes, COMPONENT_BYTES)?;
-    let component = compile(host.engine(), "component", bytes)?;
-    let ty = component.component_type();
-    let imports: Vec<String> = ty.imports(host.engine()).map(|(name, _)| name.to_owned()).collect();
-    Ok(Inspection {
-        interface: imports.iter().find_map(|import| Interface::of_import(import)),
-        imports,
-        exports: ty.exports(host.engine()).map(|(name, _)| name.to_owned()).collect(),
-        size: bytes.len(),
-    })
-}
 
 /// Refuses bytes that are not a component, or are too many, by their first bytes alone.
 ///

@@ -50,7 +50,7 @@ pub use budget::Budget;
 pub use cache::{Cache, Notice, PATIENCE, ROOM_BYTES};
 pub use error::HostError;
 pub use host::{COMPILE_TIME, COMPONENT_BYTES, Component, Host, Origin};
-pub use inspection::{Inspection, check_form, inspect};
+pub use inspection::check_form;
 pub use instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL};
 pub use interface::Interface;
 pub use meter::{Meter, Stopwatch, Usage};

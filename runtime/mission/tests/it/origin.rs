@@ -51,6 +51,7 @@ fn an_origin_that_cannot_be_used_is_refused_in_one_line() {
         ("[origin]\nlatitude_deg = 42.35", "missing field `longitude_deg`"),
     ] {
         let error = load(origin).err().unwrap().to_string();
-        assert!(error.contains(words) && !error.contains('\n'), "{error}");
+        assert!(error.contains("mission.toml") && error.contains(words), "{error}");
+        assert!(!error.contains('\n'), "{error}");
     }
 }

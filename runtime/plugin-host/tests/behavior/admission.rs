@@ -1,7 +1,7 @@
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-use backseat_plugin_host::{Budget, Component, Host, HostError, inspect};
+use backseat_plugin_host::{Budget, Component, Host, HostError};
 
 use crate::fixture::{Latitude, brief, components};
 
@@ -123,20 +123,4 @@ fn webassembly_features_that_differ_between_machines_are_off() {
         let line = refusal(&wat(text));
         assert!(line.starts_with("odd: not a valid component: "), "{what}: {line}");
     }
-}
-
-#[test]
-fn an_inspection_lists_imports_and_exports() {
-    let inspection = inspect(&components().template_bytes).unwrap();
-    assert_eq!(
-        inspection.imports,
-        [
-            "backseat:plugin/log@0.2.0",
-            "backseat:plugin/types@0.2.0",
-            "backseat:plugin/mission@0.2.0"
-        ]
-    );
-    assert_eq!(inspection.exports, ["describe", "init", "step", "snapshot", "restore"]);
-    assert_eq!(inspection.size, components().template_bytes.len());
-    assert!(inspect(b"text").is_err());
 }

@@ -23,6 +23,8 @@ mod onto;
 mod place;
 mod station;
 mod surfacing;
+#[cfg(test)]
+mod tests;
 mod time;
 mod tracks;
 

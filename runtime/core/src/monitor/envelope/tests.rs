@@ -1,0 +1,1 @@
+//! The numbers that a judgement is made of, each compared with its formula.

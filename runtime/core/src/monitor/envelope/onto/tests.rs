@@ -93,3 +93,108 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn an_approach_leads_in_the_directions_between_its_two_points_and_a_bit_more() {
+    let approach = |begun, within_m, to| Approach { begun, within_m, to };
+    let is = |approach: Approach, first_deg: f64, span_deg: f64| {
+        let (first, span) = approach.directions_deg();
+        let apart_deg = (first - first_deg + 180.0).rem_euclid(360.0) - 180.0;
+        assert!(
+            apart_deg.abs() < 1e-6 && (span - span_deg).abs() < 1e-6,
+            "{first} and {span} instead of {first_deg} and {span_deg}"
+        );
+    };
+    let (begun, north_east, south_east) = (at(10.0, 20.0), at(40.0, 50.0), at(40.0, -10.0));
+    // From 45 to 135 degrees, whichever comes first.
+    is(approach(begun, 0.0, [north_east, south_east]), 45.0, 90.0);
+    is(approach(begun, 0.0, [south_east, north_east]), 45.0, 90.0);
+    // The nearest point between the two is 30 m away, abeam; half of that is an angle of 30 degrees.
+    is(approach(begun, 15.0, [north_east, south_east]), 15.0, 150.0);
+    // The nearest point is an end: 50 m away, and 100 m.
+    let (close, far) = (at(40.0, 60.0), at(70.0, 100.0));
+    let bearing_deg = (0.6f64).asin().to_degrees();
+    is(approach(begun, 25.0, [close, far]), bearing_deg - 30.0, 60.0);
+    is(approach(begun, 25.0, [far, close]), bearing_deg - 30.0, 60.0);
+    // Across north.
+    is(
+        approach(at(0.0, 0.0), 0.0, [at(-30.0, 30.0), at(30.0, 30.0)]),
+        315.0,
+        90.0,
+    );
+    // Both points are one.
+    is(approach(begun, 0.0, [close, close]), bearing_deg, 0.0);
+    // So near that it may lead anywhere.
+    is(
+        approach(begun, 20.9, [north_east, south_east]),
+        90.0 - 45.0 - (20.9f64 / 30.0).asin().to_degrees(),
+        90.0 + 2.0 * (20.9f64 / 30.0).asin().to_degrees(),
+    );
+    is(approach(begun, 21.1, [north_east, south_east]), 0.0, 360.0);
+    is(approach(begun, 1.0, [begun, begun]), 0.0, 360.0);
+    is(approach(begun, f64::NAN, [close, far]), 0.0, 360.0);
+}
+
+#[test]
+fn the_solids_onto_an_approach_are_no_larger_than_they_must_be() {
+    // Behind the begin of an approach that leads east, from 81 to 99 degrees: the feet lie on the lines to its points.
+    let (begun, to) = (
+        at(0.0, 0.0),
+        [
+            at(100.0, 100.0 * (9.0f64).to_radians().tan()),
+            at(100.0, -100.0 * (9.0f64).to_radians().tan()),
+        ],
+    );
+    let approach = Approach {
+        begun,
+        within_m: 0.0,
+        to,
+    };
+    let solids = approach.onto(&[at(-100.0, 0.0), at(-100.0, 0.0)]);
+    // The feet on the two lines are at 100 cos(9) along them, moved outwards by 1/cos(18) from the middle, (-50, 0).
+    let foot = |deg: f64| {
+        let side = EastNorth::new(deg.to_radians().sin(), deg.to_radians().cos());
+        let middle = at(-50.0, 0.0);
+        middle + (side * -(100.0 * (9.0f64).to_radians().cos()) - middle) * (1.0 / (18.0f64).to_radians().cos())
+    };
+    let expected = Shape::convex_hulls(&[begun, to[0], to[1], at(-100.0, 0.0), foot(81.0), foot(99.0)]);
+    for point in [
+        foot(81.0),
+        foot(99.0),
+        at(-100.0, 0.0),
+        to[0],
+        to[1],
+        at(-20.0, 0.0),
+        at(50.0, 0.0),
+    ] {
+        assert!(outside_m(&solids, point) < 1e-6, "{point:?}");
+        assert!(outside_m(&expected, point) < 1e-6, "{point:?}");
+    }
+    let corners = |solids: &[Shape]| {
+        let mut points: Vec<EastNorth> = Vec::new();
+        for solid in solids {
+            if let Shape::Convex(convex) = solid {
+                points.extend(convex.points());
+            }
+        }
+        points
+    };
+    for corner in corners(&solids) {
+        assert!(outside_m(&expected, corner) < 1e-6, "{corner:?} is beyond {expected:?}");
+    }
+    // Ahead of the begin, the vehicle flies straight to the approach: no foot lies behind it.
+    let ahead = approach.onto(&[at(50.0, 40.0), at(50.0, 40.0)]);
+    for corner in corners(&ahead) {
+        assert!(corner.east_m >= -1e-9, "{corner:?}");
+    }
+    // A range of directions that is wider than 20 degrees is covered by several solids.
+    let wide = Approach {
+        to: [at(100.0, 100.0), at(100.0, -100.0)],
+        ..approach
+    };
+    let (few, many) = (approach.onto(&[at(-100.0, 0.0)]), wide.onto(&[at(-100.0, 0.0)]));
+    // The vehicle is on the line between the feet, so rounding decides whether it is a corner of its own.
+    assert!(few.len() <= 2, "{} solids", few.len());
+    // From 45 to 135 degrees: five ranges.
+    assert!(many.len() >= 5, "{} solids", many.len());
+}

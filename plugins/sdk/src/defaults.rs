@@ -40,6 +40,17 @@ impl Navigation {
     }
 }
 
+impl Briefing {
+    /// The mission's local frame, in which navigation and the fence's zones count metres east and north.
+    ///
+    /// # Errors
+    /// One line, if the origin is no position on the earth.
+    pub fn frame(&self) -> Result<units::LocalFrame, String> {
+        let origin = units::Position::try_from(self.origin).map_err(|error| format!("origin: {error}"))?;
+        Ok(units::LocalFrame::new(origin))
+    }
+}
+
 impl PlannedPoint {
     /// Its position in the mission's local frame.
     #[must_use]

@@ -82,7 +82,7 @@ pub fn restore<P: Plugin>(slot: &Slot<P>, state: &[u8]) -> Result<(), String> {
 }
 
 /// Parses the configuration. An error names the key.
-fn parse<C: serde::de::DeserializeOwned>(json: &str) -> Result<C, String> {
+pub(crate) fn parse<C: serde::de::DeserializeOwned>(json: &str) -> Result<C, String> {
     let mut deserializer = serde_json::Deserializer::from_str(json);
     serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let key = error.path().to_string();

@@ -51,7 +51,8 @@
 //! # A plugin's crate
 //! Start from a copy of `plugins/template`. Its `Cargo.toml` has `crate-type = ["cdylib", "rlib"]`. The first becomes
 //! the component. The second lets `cargo test` run unit tests on the host, as plain Rust. There is no runtime on the
-//! host: [`mod@log`] and [`measures`] write to standard error, and [`fence::check`] always returns a refusal.
+//! host: [`mod@log`] and [`measures`] write to standard error, and [`fence::check`] always returns a refusal. A test that
+//! wants more steps the plugin by a `testing::Harness`, or lets it fly a simple vehicle by `testing::Basin`.
 //!
 //! # Limits
 //! Each call has a budget of fuel (about one unit for each WebAssembly instruction), and each plugin a limit of memory.
@@ -113,12 +114,18 @@ mod defaults;
 #[doc(hidden)]
 pub mod exports;
 pub mod fence;
+#[cfg(not(target_arch = "wasm32"))]
+mod host;
+pub mod kept;
 pub mod log;
 pub mod measures;
 mod outcome;
 mod plugin;
 mod request;
 pub mod sonar;
+pub mod survey;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod testing;
 
 pub use backseat_units as units;
 pub use bindings::backseat::plugin::mission::{

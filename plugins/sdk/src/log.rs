@@ -24,7 +24,7 @@ pub enum Level {
 /// The length at which a line is cut, bytes.
 const LINE_BYTES: usize = 256;
 
-/// Writes a line to the run's log; on the host, to standard error.
+/// Writes a line to the run's log; on the host, to the log of a `testing::Harness`, or to standard error.
 pub fn write(level: Level, text: &str) {
     let text = &text[..text.floor_char_boundary(LINE_BYTES)];
     #[cfg(target_arch = "wasm32")]
@@ -39,7 +39,7 @@ pub fn write(level: Level, text: &str) {
         log::write(level, text);
     }
     #[cfg(not(target_arch = "wasm32"))]
-    eprintln!("{level:?}: {text}");
+    crate::host::write(level, text);
 }
 
 #[doc(hidden)]

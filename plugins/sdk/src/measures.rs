@@ -11,10 +11,10 @@
 //! backseat_sdk::measures::publish("water_depth", 41.5, "m");
 //! ```
 
-/// Publishes a value; on the host, writes it to standard error.
+/// Publishes a value; on the host, to a `testing::Harness`, or to standard error.
 pub fn publish(name: &str, value: f64, unit: &str) {
     #[cfg(target_arch = "wasm32")]
     crate::bindings::backseat::plugin::measures::publish(name, value, unit);
     #[cfg(not(target_arch = "wasm32"))]
-    eprintln!("{name} = {value} {unit}");
+    crate::host::publish(name, value, unit);
 }

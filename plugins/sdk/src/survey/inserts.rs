@@ -1,0 +1,794 @@
+use backseat_units::math::TAU;
+use backseat_units::{EastNorth, LocalFrame};
+use serde::{Deserialize, Serialize};
+
+use super::Line;
+use crate::{
+    Event, Navigation, Request, Restored, Rule, State, StepInput, Trackcircle, Trackline, Vertical, fence, log,
+};
+
+const SECOND_NS: u64 = 1_000_000_000;
+
+/// A circle to fly.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Circle {
+    /// Its centre.
+    pub centre: EastNorth,
+    /// Its radius, metres.
+    pub radius_m: f64,
+    /// How often it is flown, positive clockwise.
+    pub orbits: f64,
+    /// Where on the circle to begin, degrees from north; `None` leaves it to the vehicle.
+    pub entry_deg: Option<f64>,
+}
+
+/// A line or a circle that the vehicle flies by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Leg {
+    /// A trackline.
+    Line(Line),
+    /// A trackcircle.
+    Circle(Circle),
+}
+
+impl Leg {
+    /// Its length, metres, with all orbits of a circle.
+    #[must_use]
+    pub fn length_m(&self) -> f64 {
+        match self {
+            Self::Line(line) => line.length_m(),
+            Self::Circle(circle) => TAU * circle.radius_m * circle.orbits.abs(),
+        }
+    }
+
+    fn smaller(&self, settings: &QueueSettings) -> Option<Self> {
+        match *self {
+            Self::Line(line) => line.shortened(settings.shorten_m, settings.line_min_m).map(Self::Line),
+            Self::Circle(circle) => {
+                let radius_m = circle.radius_m * settings.shrink;
+                (radius_m >= settings.radius_min_m).then_some(Self::Circle(Circle { radius_m, ..circle }))
+            }
+        }
+    }
+}
+
+/// How legs are flown.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// The frame of the legs.
+    pub frame: LocalFrame,
+    /// Depth or altitude.
+    pub vertical: Vertical,
+    /// Speed through the water, metres per second.
+    pub speed_mps: f64,
+}
+
+impl Flight {
+    /// The request for a leg.
+    #[must_use]
+    pub fn request(&self, leg: &Leg, tag: u64, interrupt: bool) -> Request {
+        let position = |at: EastNorth| self.frame.to_position(at).into();
+        match *leg {
+            Leg::Line(Line { start, end }) => Request::Trackline(Trackline {
+                tag,
+                start: position(start),
+                end: position(end),
+                vertical: self.vertical,
+                speed: self.speed_mps,
+                interrupt,
+            }),
+            Leg::Circle(circle) => Request::Trackcircle(Trackcircle {
+                tag,
+                centre: position(circle.centre),
+                radius: circle.radius_m,
+                orbits: circle.orbits,
+                vertical: self.vertical,
+                speed: self.speed_mps,
+                entry_angle: circle.entry_deg,
+                interrupt,
+            }),
+        }
+    }
+}
+
+/// When a queue asks, asks again and gives up.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QueueSettings {
+    /// How many legs may be open at the vehicle: the one that it flies, and those behind it.
+    pub open_max: usize,
+    /// How often a leg is requested that the vehicle fails or does not fly.
+    pub tries_max: u32,
+    /// How often a leg is requested again that was refused for a reason which may pass, while little else is open.
+    pub refusals_max: u32,
+    /// The time between two requests for the same leg.
+    pub again_ns: u64,
+    /// A line that does not fit into the fence is shortened by this much at both ends, metres.
+    pub shorten_m: f64,
+    /// A line is not made shorter than this, metres.
+    pub line_min_m: f64,
+    /// A circle that does not fit is made smaller by this factor.
+    pub shrink: f64,
+    /// A circle is not made smaller than this radius, metres.
+    pub radius_min_m: f64,
+    /// A leg that ends after this part of the time that it takes counts as flown, 0 to 1.
+    pub flown: f64,
+    /// Farther from its line than this the vehicle is still on its way to it, metres.
+    pub on_line_m: f64,
+    /// Whether the first leg interrupts the current behavior when nothing of the queue is open. Needs the grant
+    /// `interrupt`.
+    pub interrupt: bool,
+}
+
+impl Default for QueueSettings {
+    /// One leg that is flown and two behind it; three tries, five seconds apart; five minutes of refusals.
+    fn default() -> Self {
+        Self {
+            open_max: 3,
+            tries_max: 3,
+            refusals_max: 60,
+            again_ns: 5 * SECOND_NS,
+            shorten_m: 50.0,
+            line_min_m: 80.0,
+            shrink: 0.75,
+            radius_min_m: 15.0,
+            flown: 0.5,
+            on_line_m: 25.0,
+            interrupt: false,
+        }
+    }
+}
+
+/// What has become of a leg.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Standing {
+    /// Not requested yet, or to be requested again.
+    Waiting {
+        /// Not before this time.
+        not_before_ns: u64,
+    },
+    /// Requested, and without a final state.
+    Open {
+        /// The tag of its request.
+        tag: u64,
+        /// When the vehicle began to fly it.
+        started_ns: Option<u64>,
+    },
+    /// Flown, or enough of it.
+    Flown,
+    /// Given up.
+    Dropped,
+}
+
+/// A leg in the queue.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Task {
+    /// The leg, as it was made smaller if it was.
+    pub leg: Leg,
+    /// What has become of it.
+    pub standing: Standing,
+    /// How far along its line the vehicle has been seen, 0 to 1.
+    pub progress: f64,
+    tries: u32,
+    refusals: u32,
+}
+
+/// What an outcome means for a leg.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Turn {
+    /// Nothing worth a line.
+    Quiet,
+    /// The vehicle has begun to fly it.
+    Began,
+    /// It has been flown.
+    Flown,
+    /// It will be requested again; with the reason.
+    Again(String),
+    /// It will be requested again in a smaller form; with the reason.
+    Smaller(String),
+    /// It is given up; with the reason.
+    Dropped(String),
+}
+
+/// Legs that are flown in their order, with retries.
+///
+/// The vehicle flies inserts by itself, one after the other, and returns to its own plan when none is left. So the queue
+/// keeps some legs at the vehicle before the current one ends. It asks again for what was refused, was not answered or
+/// ended too early, makes smaller what does not fit into the fence, and gives up what cannot be flown.
+///
+/// Call [`InsertQueue::step`] in each step, and return its requests. The queue uses the tags from 1 upwards; give
+/// other requests of the plugin tags from [`InsertQueue::OTHER_TAGS`] upwards. After a restart no tag is used twice, if the
+/// queue is a part of the state that the plugin keeps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InsertQueue {
+    settings: QueueSettings,
+    tasks: Vec<Task>,
+    next_tag: u64,
+    /// Open tags that belong to no task of this instance.
+    strays: Vec<u64>,
+    /// The power goes off soon.
+    shut_down: bool,
+}
+
+impl Default for InsertQueue {
+    fn default() -> Self {
+        Self::new(QueueSettings::default())
+    }
+}
+
+impl InsertQueue {
+    /// From here on, tags are free for the plugin's other requests.
+    pub const OTHER_TAGS: u64 = 1 << 40;
+
+    /// An empty queue.
+    #[must_use]
+    pub const fn new(settings: QueueSettings) -> Self {
+        Self {
+            settings,
+            tasks: Vec::new(),
+            next_tag: 1,
+            strays: Vec::new(),
+            shut_down: false,
+        }
+    }
+
+    /// Adds a leg to the end.
+    pub fn push(&mut self, leg: Leg) {
+        self.tasks.push(Task {
+            leg,
+            standing: Standing::Waiting { not_before_ns: 0 },
+            progress: 0.0,
+            tries: 0,
+            refusals: 0,
+        });
+    }
+
+    /// Adds legs to the end.
+    pub fn extend(&mut self, legs: impl IntoIterator<Item = Leg>) {
+        legs.into_iter().for_each(|leg| self.push(leg));
+    }
+
+    /// Takes in what has happened, and returns what to ask for now: nothing without control, and nothing after
+    /// [`Event::Shutdown`]. Writes to the log what becomes of each leg.
+    #[must_use]
+    pub fn step(&mut self, input: &StepInput, flight: &Flight) -> Vec<Request> {
+        let mut requests = Vec::new();
+        if let Some(navigation) = &input.navigation {
+            self.follow(navigation, flight);
+        }
+        for event in &input.events {
+            if let Event::Outcome(outcome) = event {
+                let request = self.task_of(outcome.tag).map(|index| {
+                    let request = flight.request(&self.tasks[index].leg, outcome.tag, false);
+                    (index, request)
+                });
+                let misfits = || request.as_ref().is_some_and(|(_, request)| refused_by_fence(request));
+                let turn = self.hear(outcome.tag, &outcome.state, input, flight.speed_mps, misfits);
+                if let Some((index, _)) = request {
+                    self.log(index, &turn);
+                }
+            } else if let Event::Restored(restored) = event {
+                self.restored(restored, input.now_ns);
+                requests.extend(self.strays.iter().map(|tag| Request::Cancel(*tag)));
+            } else if matches!(event, Event::Shutdown) {
+                self.shut_down = true;
+            }
+        }
+        if !input.control || self.shut_down {
+            return requests;
+        }
+        loop {
+            let interrupt = self.settings.interrupt && self.open() == 0;
+            let Some((index, tag)) = self.ask(input.now_ns) else {
+                return requests;
+            };
+            requests.push(flight.request(&self.tasks[index].leg, tag, interrupt));
+        }
+    }
+
+    fn follow(&mut self, navigation: &Navigation, flight: &Flight) {
+        if let Ok(position) = backseat_units::Position::try_from(navigation.position) {
+            let velocity = EastNorth::new(navigation.velocity_east, navigation.velocity_north);
+            self.fly(flight.frame.to_local(position), velocity);
+        }
+    }
+
+    fn log(&self, index: usize, turn: &Turn) {
+        let (number, of) = (index + 1, self.tasks.len());
+        match turn {
+            Turn::Quiet => {}
+            Turn::Began => log::info!("leg {number} of {of} begun"),
+            Turn::Flown => log::info!("leg {number} of {of} flown"),
+            Turn::Again(why) => log::warn!("leg {number} of {of} will be requested again: {why}"),
+            Turn::Smaller(why) => log::warn!("leg {number} of {of} made smaller: {why}"),
+            Turn::Dropped(why) => log::warn!("leg {number} of {of} given up: {why}"),
+        }
+    }
+
+    /// The legs in their order, each with what has become of it.
+    #[must_use]
+    pub fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    /// The next leg to request now, which becomes open under the returned tag; also its index among the tasks. A part of
+    /// [`InsertQueue::step`].
+    pub fn ask(&mut self, now_ns: u64) -> Option<(usize, u64)> {
+        let open = self.open();
+        if open >= self.settings.open_max {
+            return None;
+        }
+        let waiting = |task: &Task| match task.standing {
+            Standing::Waiting { not_before_ns } => Some(not_before_ns),
+            Standing::Open { .. } | Standing::Flown | Standing::Dropped => None,
+        };
+        let first = self.tasks.iter().position(|task| waiting(task).is_some())?;
+        // In their order, unless the first has to wait while nothing is queued, because the vehicle would then leave.
+        let index = self
+            .tasks
+            .iter()
+            .position(|task| waiting(task).is_some_and(|not_before_ns| not_before_ns <= now_ns))
+            .filter(|index| *index == first || open <= 1)?;
+        let tag = self.next_tag;
+        self.next_tag += 1;
+        self.tasks[index].standing = Standing::Open { tag, started_ns: None };
+        Some((index, tag))
+    }
+
+    /// How many of our inserts the vehicle may have.
+    #[must_use]
+    pub fn open(&self) -> usize {
+        let open = |task: &&Task| matches!(task.standing, Standing::Open { .. });
+        self.tasks.iter().filter(open).count() + self.strays.len()
+    }
+
+    /// The task that is open under a tag.
+    #[must_use]
+    pub fn task_of(&self, tag: u64) -> Option<usize> {
+        self.tasks
+            .iter()
+            .position(|task| matches!(task.standing, Standing::Open { tag: open, .. } if open == tag))
+    }
+
+    /// Takes in the outcome of a request; a part of [`InsertQueue::step`]. `speed_mps` is the speed at which legs are
+    /// flown, `misfits` whether the fence refuses the request's geometry.
+    pub fn hear(
+        &mut self,
+        tag: u64,
+        state: &State,
+        input: &StepInput,
+        speed_mps: f64,
+        misfits: impl FnOnce() -> bool,
+    ) -> Turn {
+        let is_final = !matches!(
+            state,
+            State::Sent | State::Pending | State::Accepted | State::Started | State::Unknown
+        );
+        if is_final {
+            self.strays.retain(|stray| *stray != tag);
+        }
+        let Some(index) = self.task_of(tag) else {
+            return Turn::Quiet;
+        };
+        let others = self.open() - 1;
+        let (settings, now_ns) = (&self.settings, input.now_ns);
+        let task = &mut self.tasks[index];
+        match state {
+            State::Sent | State::Pending | State::Accepted | State::Unknown => Turn::Quiet,
+            State::Started => {
+                task.standing = Standing::Open {
+                    tag,
+                    started_ns: Some(now_ns),
+                };
+                Turn::Began
+            }
+            State::Ended(why) => {
+                let due_s = task.leg.length_m() / speed_mps;
+                if task.flown_s(now_ns) >= settings.flown * due_s {
+                    task.standing = Standing::Flown;
+                    Turn::Flown
+                } else {
+                    task.fail(settings, &format!("ended too early: {}", why.text), now_ns)
+                }
+            }
+            State::Failed(_) => task.fail(settings, state.reason().unwrap_or_default(), now_ns),
+            State::TimedOut => task.fail(settings, "the vehicle did not answer", now_ns),
+            State::Cancelled => task.fail(settings, "cancelled", now_ns),
+            State::Rejected(why) if !input.control => {
+                task.wait(settings, now_ns);
+                Turn::Again(why.text.clone())
+            }
+            State::Rejected(why) => {
+                let first = task.refusals == 0;
+                // With others left to fly, the mission's limit on open inserts may be the reason, which passes.
+                if first || others <= 1 {
+                    task.refusals += 1;
+                }
+                // A smaller leg is tried now and then anyway, because the fence that a plugin can ask does not know the
+                // vehicle's plan.
+                let stuck = others <= 1 && task.refusals.is_multiple_of((settings.refusals_max / 5).max(1));
+                if misfits() || stuck {
+                    task.shrink(settings, &why.text, now_ns)
+                } else if task.refusals < settings.refusals_max {
+                    task.wait(settings, now_ns);
+                    if first {
+                        Turn::Again(why.text.clone())
+                    } else {
+                        Turn::Quiet
+                    }
+                } else {
+                    task.drop(&why.text)
+                }
+            }
+        }
+    }
+
+    /// Compares what a new instance believes to be open with what is open; a part of [`InsertQueue::step`].
+    ///
+    /// Open tags without a task here were requested after the snapshot, in the order of the tasks.
+    pub fn restored(&mut self, restored: &Restored, now_ns: u64) {
+        for task in &mut self.tasks {
+            if let Standing::Open { tag, started_ns } = task.standing
+                && !restored.open.contains(&tag)
+            {
+                // Its end was missed. What had begun counts as flown; anything else is requested again.
+                if started_ns.is_some() {
+                    task.standing = Standing::Flown;
+                } else {
+                    task.wait(&self.settings, now_ns);
+                }
+            }
+        }
+        let ours = |tag: &u64| *tag < Self::OTHER_TAGS && self.task_of(*tag).is_none();
+        let mut unknown: Vec<u64> = restored.open.iter().copied().filter(ours).collect();
+        unknown.sort_unstable();
+        for tag in unknown {
+            self.next_tag = self.next_tag.max(tag + 1);
+            let waiting = |task: &&mut Task| matches!(task.standing, Standing::Waiting { .. });
+            match self.tasks.iter_mut().find(waiting) {
+                Some(task) => {
+                    // Its beginning may have been missed: then its end comes within its time.
+                    task.standing = Standing::Open {
+                        tag,
+                        started_ns: Some(now_ns),
+                    };
+                }
+                None => self.strays.push(tag),
+            }
+        }
+        // Tags that were used and have ended since the snapshot must not be used again.
+        self.next_tag += 100;
+    }
+
+    /// Open tags that belong to no task of this instance; [`InsertQueue::step`] cancels them.
+    #[must_use]
+    pub fn strays(&self) -> &[u64] {
+        &self.strays
+    }
+
+    /// Notes the vehicle's position and velocity on the line that it is flying; a part of [`InsertQueue::step`].
+    pub fn fly(&mut self, at: EastNorth, velocity: EastNorth) {
+        for task in &mut self.tasks {
+            let (
+                Standing::Open {
+                    started_ns: Some(_), ..
+                },
+                Leg::Line(line),
+            ) = (task.standing, task.leg)
+            else {
+                continue;
+            };
+            let (along, off_m) = line.progress(at);
+            let way = line.end - line.start;
+            let forward = way.east_m * velocity.east_m + way.north_m * velocity.north_m;
+            // On the way to its start the vehicle moves in another direction, or is away from the line.
+            if off_m < self.settings.on_line_m && forward > 0.3 * line.length_m() {
+                task.progress = task.progress.max(along.clamp(0.0, 1.0));
+            }
+        }
+    }
+
+    /// The progress of the last leg: 0 while there are others before it, 1 when all have ended.
+    #[must_use]
+    pub fn last_progress(&self) -> f64 {
+        let ended = |task: &&Task| !matches!(task.standing, Standing::Flown | Standing::Dropped);
+        let mut live = self.tasks.iter().filter(ended);
+        match (live.next(), live.next()) {
+            (None, _) => 1.0,
+            (Some(task), None) => task.progress,
+            (Some(_), Some(_)) => 0.0,
+        }
+    }
+
+    /// Whether every leg was flown or given up.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        let mut tasks = self.tasks.iter();
+        tasks.all(|task| matches!(task.standing, Standing::Flown | Standing::Dropped))
+    }
+
+    /// Whether the vehicle has flown the last leg.
+    #[must_use]
+    pub fn last_flown(&self) -> bool {
+        self.tasks.last().is_some_and(|task| task.standing == Standing::Flown)
+    }
+}
+
+impl Task {
+    fn flown_s(&self, now_ns: u64) -> f64 {
+        match self.standing {
+            Standing::Open {
+                started_ns: Some(started_ns),
+                ..
+            } => now_ns.saturating_sub(started_ns) as f64 / SECOND_NS as f64,
+            Standing::Open { started_ns: None, .. }
+            | Standing::Waiting { .. }
+            | Standing::Flown
+            | Standing::Dropped => 0.0,
+        }
+    }
+
+    fn wait(&mut self, settings: &QueueSettings, now_ns: u64) {
+        self.progress = 0.0;
+        self.standing = Standing::Waiting {
+            not_before_ns: now_ns + settings.again_ns,
+        };
+    }
+
+    fn fail(&mut self, settings: &QueueSettings, why: &str, now_ns: u64) -> Turn {
+        self.tries += 1;
+        if self.tries >= settings.tries_max {
+            return self.drop(why);
+        }
+        self.wait(settings, now_ns);
+        Turn::Again(why.to_owned())
+    }
+
+    fn shrink(&mut self, settings: &QueueSettings, why: &str, now_ns: u64) -> Turn {
+        let Some(smaller) = self.leg.smaller(settings) else {
+            return self.drop(why);
+        };
+        self.leg = smaller;
+        self.progress = 0.0;
+        // A different request, so it need not wait.
+        self.standing = Standing::Waiting { not_before_ns: now_ns };
+        Turn::Smaller(why.to_owned())
+    }
+
+    fn drop(&mut self, why: &str) -> Turn {
+        self.standing = Standing::Dropped;
+        Turn::Dropped(why.to_owned())
+    }
+}
+
+/// Whether the fence refuses a request for its geometry, and not because nothing is known about where the vehicle is.
+fn refused_by_fence(request: &Request) -> bool {
+    fence::check(request).is_err_and(|refusal| {
+        matches!(
+            refusal.rule,
+            Rule::KeepIn
+                | Rule::KeepOut
+                | Rule::Depth
+                | Rule::Altitude
+                | Rule::Surfacing
+                | Rule::Time
+                | Rule::Station
+                | Rule::Limit
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EndKind, Ended, Outcome, Refusal};
+
+    fn line(index: u32) -> Leg {
+        let north_m = 50.0 * f64::from(index);
+        Leg::Line(Line {
+            start: EastNorth::new(0.0, north_m),
+            end: EastNorth::new(300.0, north_m),
+        })
+    }
+
+    fn queue(count: u32) -> InsertQueue {
+        let mut queue = InsertQueue::default();
+        queue.extend((0..count).map(line));
+        queue
+    }
+
+    fn at(now_s: u64) -> StepInput {
+        StepInput {
+            now_ns: now_s * SECOND_NS,
+            control: true,
+            ..StepInput::default()
+        }
+    }
+
+    fn hear(queue: &mut InsertQueue, tag: u64, state: &State, now_s: u64) -> Turn {
+        queue.hear(tag, state, &at(now_s), 1.5, || false)
+    }
+
+    fn done() -> State {
+        State::Ended(Ended::new(EndKind::Done, "flown"))
+    }
+
+    fn flight() -> Flight {
+        Flight {
+            frame: LocalFrame::new(backseat_units::Position::from_deg(42.0, -70.0).unwrap()),
+            vertical: Vertical::Depth(15.0),
+            speed_mps: 1.5,
+        }
+    }
+
+    fn tags(requests: &[Request]) -> Vec<u64> {
+        requests.iter().filter_map(Request::tag).collect()
+    }
+
+    #[test]
+    fn some_legs_are_kept_at_the_vehicle_and_none_is_requested_twice() {
+        let mut queue = queue(5);
+        assert_eq!(queue.step(&StepInput::default(), &flight()), [], "without control");
+        assert_eq!(tags(&queue.step(&at(0), &flight())), [1, 2, 3]);
+        assert_eq!(hear(&mut queue, 1, &State::Started, 0), Turn::Began);
+        let ended = Event::Outcome(Outcome { tag: 1, state: done() });
+        let input = StepInput {
+            events: vec![ended],
+            ..at(200)
+        };
+        assert_eq!(tags(&queue.step(&input, &flight())), [4]);
+        assert_eq!(queue.tasks()[0].standing, Standing::Flown);
+        assert_eq!(queue.step(&at(201), &flight()), []);
+        let off = StepInput {
+            events: vec![Event::Shutdown],
+            ..at(202)
+        };
+        assert_eq!(queue.step(&off, &flight()), []);
+        hear(&mut queue, 2, &State::Cancelled, 203);
+        assert_eq!(queue.step(&at(300), &flight()), [], "the power goes off");
+    }
+
+    #[test]
+    fn only_the_first_of_nothing_open_interrupts() {
+        let mut queue = InsertQueue::new(QueueSettings {
+            interrupt: true,
+            ..QueueSettings::default()
+        });
+        queue.extend((0..2).map(line));
+        let interrupts: Vec<bool> = queue
+            .step(&at(0), &flight())
+            .iter()
+            .map(|request| matches!(request, Request::Trackline(line) if line.interrupt))
+            .collect();
+        assert_eq!(interrupts, [true, false]);
+    }
+
+    #[test]
+    fn a_line_that_ended_too_early_is_flown_again_and_given_up_after_three_tries() {
+        let mut queue = queue(1);
+        queue.ask(0);
+        for (try_, now_s) in [(1, 0), (2, 100), (3, 200)] {
+            hear(&mut queue, try_, &State::Started, now_s);
+            let early = State::Ended(Ended::new(EndKind::Behavior, "interrupted"));
+            let turn = hear(&mut queue, try_, &early, now_s + 20);
+            if try_ == 3 {
+                assert_eq!(turn, Turn::Dropped("ended too early: interrupted".to_owned()));
+                break;
+            }
+            assert_eq!(turn, Turn::Again("ended too early: interrupted".to_owned()));
+            assert_eq!(
+                queue.ask((now_s + 21) * SECOND_NS),
+                None,
+                "the leg is not requested again at once"
+            );
+            assert_eq!(queue.ask((now_s + 26) * SECOND_NS), Some((0, try_ + 1)));
+        }
+        assert!(queue.is_done() && !queue.last_flown());
+    }
+
+    #[test]
+    fn a_reached_cap_uses_up_no_attempts_of_a_leg() {
+        let mut queue = queue(4);
+        for _ in 0..3 {
+            queue.ask(0);
+        }
+        for attempt in 0..200 {
+            let now_s = 10 * attempt;
+            let tag = queue.next_tag - 1;
+            let capped = State::Rejected(Refusal::new(Rule::Cap, "over the cap"));
+            hear(&mut queue, tag, &capped, now_s);
+            assert_eq!(queue.ask((now_s + 6) * SECOND_NS), Some((2, tag + 1)));
+        }
+        assert_eq!(queue.tasks[2].leg, line(2), "the leg is not made smaller");
+    }
+
+    #[test]
+    fn what_does_not_fit_is_made_smaller_until_it_is_too_small() {
+        let mut queue = queue(1);
+        queue.push(Leg::Circle(Circle {
+            centre: EastNorth::default(),
+            radius_m: 30.0,
+            orbits: -2.0,
+            entry_deg: None,
+        }));
+        assert!((queue.tasks[1].leg.length_m() - TAU * 60.0).abs() < 1e-9);
+        let refused = State::Rejected(Refusal::new(Rule::KeepOut, "inside the wreck"));
+        let mut turns = Vec::new();
+        for round in 0..8 {
+            while let Some((index, tag)) = queue.ask(round * SECOND_NS) {
+                turns.push((index, queue.hear(tag, &refused, &at(round), 1.5, || true)));
+            }
+        }
+        let smaller = |index| {
+            turns
+                .iter()
+                .filter(|(of, turn)| *of == index && matches!(turn, Turn::Smaller(_)))
+                .count()
+        };
+        // 300, 200 and 100 m; 30, 22.5 and 16.9 m.
+        assert_eq!((smaller(0), smaller(1)), (2, 2), "{turns:?}");
+        assert!(queue.is_done());
+    }
+
+    #[test]
+    fn refusals_without_control_and_answers_to_nobody_count_for_nothing() {
+        let mut queue = queue(1);
+        queue.ask(0);
+        let refused = State::Rejected(Refusal::new(Rule::Control, "no control"));
+        assert_eq!(hear(&mut queue, 77, &refused, 1), Turn::Quiet);
+        let without = StepInput {
+            control: false,
+            ..at(1)
+        };
+        let turn = queue.hear(1, &refused, &without, 1.5, || true);
+        assert_eq!(turn, Turn::Again("no control".to_owned()));
+        assert_eq!(queue.tasks[0].leg, line(0));
+    }
+
+    #[test]
+    fn a_new_instance_continues_with_what_is_open() {
+        let mut queue = queue(5);
+        for _ in 0..3 {
+            queue.ask(0);
+        }
+        hear(&mut queue, 1, &State::Started, 0);
+        let restored = |open: &[u64]| Restored {
+            lost_steps: 3,
+            open: open.to_vec(),
+        };
+        // The first has ended unseen, a fourth has been requested, and a tag of another kind is open.
+        queue.restored(&restored(&[2, 3, 4, InsertQueue::OTHER_TAGS]), SECOND_NS);
+        assert_eq!(queue.tasks[0].standing, Standing::Flown);
+        assert_eq!(queue.task_of(4), Some(3));
+        assert_eq!(queue.ask(SECOND_NS), None);
+        let input = StepInput {
+            events: vec![Event::Restored(restored(&[2, 3, 4, 5, 6]))],
+            ..at(2)
+        };
+        assert_eq!(
+            queue.step(&input, &flight()),
+            [Request::Cancel(6)],
+            "no leg is left for it"
+        );
+        assert_eq!((queue.task_of(5), queue.strays()), (Some(4), &[6][..]));
+        hear(&mut queue, 6, &State::Cancelled, 2);
+        assert!(queue.strays().is_empty());
+    }
+
+    #[test]
+    fn progress_counts_on_the_line_and_in_its_direction() {
+        let mut queue = queue(1);
+        queue.ask(0);
+        hear(&mut queue, 1, &State::Started, 0);
+        let fly = |queue: &mut InsertQueue, (east_m, north_m), east_mps| {
+            queue.fly(EastNorth::new(east_m, north_m), EastNorth::new(east_mps, 0.0));
+            queue.last_progress()
+        };
+        assert_eq!(fly(&mut queue, (150.0, 30.0), 1.5), 0.0, "beside it");
+        assert_eq!(fly(&mut queue, (150.0, 3.0), -1.5), 0.0, "towards its start");
+        assert_eq!(fly(&mut queue, (150.0, 3.0), 1.5), 0.5);
+        assert_eq!(fly(&mut queue, (90.0, 3.0), 1.5), 0.5);
+        assert_eq!(fly(&mut queue, (320.0, 3.0), 1.5), 1.0);
+        assert_eq!(hear(&mut queue, 1, &done(), 200), Turn::Flown);
+        assert!(queue.is_done() && queue.last_flown());
+    }
+}

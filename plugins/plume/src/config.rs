@@ -215,14 +215,14 @@ mod tests {
     fn a_box_is_given_by_its_corners_or_its_centre() {
         let area = config("70,", "70,").unwrap().area.area().unwrap();
         assert!(
-            (area.length_m() - 605.0).abs() < 2.0 && (area.width_m() - 500.0).abs() < 1.0,
+            (area.rectangle().length_m() - 605.0).abs() < 2.0 && (area.rectangle().width_m() - 500.0).abs() < 1.0,
             "{area:?}"
         );
         let corners = r#""south_west": [42.0, -70.0], "north_east": [42.0045, -69.9927]"#;
         let middle = r#""centre": [42.0, -70.0], "width_m": 300, "height_m": 600, "orientation_deg": 30"#;
         let area = config(corners, middle).unwrap().area.area().unwrap();
         assert!(
-            (area.length_m() - 600.0).abs() < 1e-9,
+            (area.rectangle().length_m() - 600.0).abs() < 1e-9,
             "lines along the longer side: {area:?}"
         );
         assert_eq!(

@@ -60,12 +60,12 @@ pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
     let over = |bin: &Bin| bin.value - (background[0] + background[1] * bin.at.east_m + background[2] * bin.at.north_m);
     let inside: Vec<(EastNorth, f64, f64)> = bins
         .iter()
-        .filter(|bin| area.contains(bin.at, spacing_m))
+        .filter(|bin| area.rectangle().contains(bin.at, spacing_m))
         .map(|bin| (bin.at, over(bin), f64::from(bin.count)))
         .collect();
     let (guess, smooth) = highest(&inside, 0.75 * spacing_m)?;
     let believed = |fit: &Gaussian| {
-        area.contains(fit.centre, 0.0)
+        area.rectangle().contains(fit.centre, 0.0)
             && fit.amplitude > AMPLITUDE_SIGMAS * noise
             && fit.centre.distance_m(guess) < 3.0 * fit.sigmas_m().1
             && fit.amplitude < 5.0 * smooth.max(noise)
@@ -90,7 +90,9 @@ pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
         return None;
     }
     Some(Located {
-        centre: area.nearest(centroid(&inside, guess, 1.5 * spacing_m, smooth)),
+        centre: area
+            .rectangle()
+            .nearest(centroid(&inside, guess, 1.5 * spacing_m, smooth)),
         amplitude: smooth,
         noise,
         sigmas_m: None,
@@ -281,7 +283,7 @@ mod tests {
             let found = locate(&map(field), &area(), 70.0).unwrap();
             assert!(found.centre.distance_m(middle) < 10.0, "{found:?}");
             assert_eq!(found.method, Method::Fit);
-            assert!(area().contains(found.centre, 1e-6));
+            assert!(area().rectangle().contains(found.centre, 1e-6));
         }
     }
 }

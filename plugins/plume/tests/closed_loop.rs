@@ -9,6 +9,7 @@
 
 mod sea;
 
+use backseat_sdk::testing::with_fence;
 use backseat_sdk::{Event, Plugin, Request, Restored, State, StepInput};
 use backseat_sdk::{Failure, Refusal, Rule};
 use plume::Plume;
@@ -91,14 +92,13 @@ fn after_a_failure_nothing_is_requested_twice_and_the_survey_succeeds() {
 fn a_line_that_does_not_fit_is_shortened_and_then_given_up() {
     let mut trial = Trial::new(11);
     // Nothing may go farther than 200 m to the east, which is less than a line's length from its other end.
-    trial.plugin = Plume::new(config(trial.field())).unwrap().with_fence(|_| true);
     trial.answer = |request, _| match request {
         Request::Trackline(line) if line.start.longitude.max(line.end.longitude) > -70.5976 => Some(State::Rejected(
             Refusal::new(Rule::KeepIn, "keep-in zone 'box' left by 31.2 m"),
         )),
         _ => None,
     };
-    trial.run();
+    with_fence(|_| Some(Refusal::new(Rule::KeepIn, "no room")), || trial.run());
     assert!(trial.done);
     assert!(trial.circle.is_some(), "{:?}", trial.messages);
     assert!(trial.asked < 80, "{}", trial.asked);
@@ -107,14 +107,13 @@ fn a_line_that_does_not_fit_is_shortened_and_then_given_up() {
 #[test]
 fn a_circle_that_does_not_fit_is_made_smaller() {
     let mut trial = Trial::new(12);
-    trial.plugin = Plume::new(config(trial.field())).unwrap().with_fence(|_| true);
     trial.answer = |request, _| match request {
         Request::Trackcircle(circle) if circle.radius > 40.0 => {
             Some(State::Rejected(Refusal::new(Rule::KeepOut, "keep-out")))
         }
         _ => None,
     };
-    trial.run();
+    with_fence(|_| Some(Refusal::new(Rule::KeepIn, "no room")), || trial.run());
     let circle = trial.circle.as_ref().unwrap();
     assert!((30.0..40.0).contains(&circle.radius), "{}", circle.radius);
     assert_eq!(trial.gaps, 0);
@@ -123,7 +122,6 @@ fn a_circle_that_does_not_fit_is_made_smaller() {
 #[test]
 fn failures_and_passing_refusals_are_tried_again_a_bounded_number_of_times() {
     let mut flaky = Trial::new(13);
-    flaky.plugin = Plume::new(config(flaky.field())).unwrap().with_fence(|_| false);
     flaky.answer = |_, asked| match asked % 5 {
         1 => Some(State::Failed(Failure::Vehicle("busy".into()))),
         2 => Some(State::TimedOut),
@@ -133,7 +131,7 @@ fn failures_and_passing_refusals_are_tried_again_a_bounded_number_of_times() {
         ))),
         _ => None,
     };
-    flaky.run();
+    with_fence(|_| None, || flaky.run());
     assert!(flaky.done && flaky.circle_off_m() < 25.0, "{}", flaky.circle_off_m());
 
     let mut dead = Trial::new(13);

@@ -47,7 +47,8 @@ pub trait Plugin: Sized {
     /// Restores the state that [`Plugin::snapshot`] returned in an earlier instance. Does nothing by default.
     ///
     /// # Errors
-    /// One line with what is wrong with the state. The plugin is then not restarted.
+    /// One line with what is wrong with the state. That counts as another failure: the runtime tries again with a longer
+    /// pause, and gives up after the fifth restart.
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
         let _ = state;
         Ok(())

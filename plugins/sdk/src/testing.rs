@@ -56,6 +56,22 @@ mod basin;
 mod fault;
 mod harness;
 
+use std::collections::BTreeMap;
+
 pub use basin::{Basin, Flown};
 pub use fault::Fault;
 pub use harness::Harness;
+
+use crate::host::{Recorder, with};
+use crate::{Refusal, Request};
+
+/// Calls a function in which [`fence::check`](crate::fence::check) gives these answers: a refusal, or `None` if there is
+/// room. For a test that steps a plugin by itself, without a [`Harness`].
+pub fn with_fence<R>(fence: impl FnMut(&Request) -> Option<Refusal> + 'static, call: impl FnOnce() -> R) -> R {
+    let recorder = Recorder {
+        lines: Vec::new(),
+        measures: BTreeMap::new(),
+        fence: Box::new(fence),
+    };
+    with(recorder, call).1
+}

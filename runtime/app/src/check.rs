@@ -3,17 +3,17 @@ use std::path::PathBuf;
 use anyhow::Result;
 use backseat_core::PluginSetup;
 use backseat_core::plugin::Topic;
-use backseat_fence::{Kind, Window};
+use backseat_fence::{Kind, Window, Zone};
 use backseat_mission::{Mission, with_suggestion};
 use backseat_plugin_host::{COMPILE_TIME, COMPONENT_BYTES, Host, Origin};
 use backseat_plugin_loader::load_plugins;
-use backseat_units::Utc;
+use backseat_units::{EastNorth, LocalFrame, Utc};
 use clap::Args;
 
 use crate::cache::host;
 use crate::cli::MissionArguments;
 use crate::clock::Clock;
-use crate::output::say;
+use crate::output::{kib, say};
 use crate::run::host_and_port;
 use crate::state::State;
 
@@ -60,7 +60,11 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         return Ok(true);
     }
     let front_seat = front_seat(&mission, arguments.plan.as_deref())?;
-    say!("{} (hash of its files: {})", mission.name, &mission.hash()[..16]);
+    say!(
+        "{} (hash of its files, without world.toml: {})",
+        mission.name,
+        &mission.hash()[..16]
+    );
     print_fence(&mission)?;
     let host = host(&arguments.mission)?;
     let clock = Clock::start();
@@ -107,11 +111,11 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             })
             .collect();
         say!(
-            "plugin {}: {} {}, {} kB, {}, a step every {} ms, listens to {}; grants: {}",
+            "plugin {}: {} {}, {} KiB, {}, a step every {} ms, listens to {}; grants: {}",
             setup.name,
             description.name,
             description.version,
-            bytes.len() / 1024,
+            kib(bytes.len()),
             match origin {
                 Origin::Cache => "from the cache",
                 Origin::Compiled => "compiled now",
@@ -218,13 +222,8 @@ fn without_pings(mission: &Mission, setups: &[PluginSetup]) -> Vec<String> {
 }
 
 fn print_fence(mission: &Mission) -> Result<()> {
-    let origin = mission.envelope.fence().frame().origin();
-    say!(
-        "{} around latitude {:.5} longitude {:.5}:",
-        mission.fence_file,
-        origin.latitude.as_deg(),
-        origin.longitude.as_deg()
-    );
+    let frame = mission.envelope.fence().frame();
+    say!("{}:", mission.fence_file);
     for zone in mission.envelope.fence().zones() {
         let what = match zone.kind() {
             Kind::KeepIn {
@@ -243,9 +242,10 @@ fn print_fence(mission: &Mission) -> Result<()> {
             Kind::KeepOut { depth: Some(band) } => format!("keep-out from {} to {} m", band.min_m, band.max_m),
         };
         say!(
-            "  {}: {what}, margin {} m{}",
+            "  {}: {what}, margin {} m, {}{}",
             zone.name(),
             zone.margin_m(),
+            extent(zone, frame),
             if zone.window() == Window::default() {
                 String::new()
             } else {
@@ -254,6 +254,23 @@ fn print_fence(mission: &Mission) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// How large a zone is and where: the smallest rectangle to the north that contains it.
+fn extent(zone: &Zone, frame: &LocalFrame) -> String {
+    let points = || zone.rings().flat_map(|ring| ring.points);
+    let span = |of: fn(&EastNorth) -> f64| {
+        let from = points().map(of).fold(f64::INFINITY, f64::min);
+        let to = points().map(of).fold(f64::NEG_INFINITY, f64::max);
+        (to - from, 0.5 * (from + to))
+    };
+    let ((width_m, east_m), (height_m, north_m)) = (span(|point| point.east_m), span(|point| point.north_m));
+    let middle = frame.to_position(EastNorth::new(east_m, north_m));
+    format!(
+        "{width_m:.0} m wide and {height_m:.0} m high around latitude {:.5} longitude {:.5}",
+        middle.latitude.as_deg(),
+        middle.longitude.as_deg()
+    )
 }
 
 fn utc(text: &str) -> Result<Utc, String> {

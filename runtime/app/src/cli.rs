@@ -153,3 +153,10 @@ pub(crate) fn folder(text: &str) -> Result<PathBuf, String> {
         Err("no such folder".to_owned())
     }
 }
+
+/// A seed. The option that takes it allows numbers with a sign, so that this message comes and not one about options.
+#[cfg(feature = "simulation")]
+pub(crate) fn seed(text: &str) -> Result<u64, String> {
+    text.parse()
+        .map_err(|_| format!("expected one whole number from 0 to {}", u64::MAX))
+}

@@ -24,7 +24,7 @@ use clap::{Args, ValueEnum};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing::info;
 
-use crate::cli::WorldArguments;
+use crate::cli::{WorldArguments, seed};
 use crate::clock::Clock;
 use crate::map::open;
 use crate::mvc::log::Log;
@@ -109,7 +109,7 @@ pub(crate) struct VehicleArguments {
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) script: Option<PathBuf>,
     /// Seed for the world, the noise and what the specification leaves open
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
 }
 

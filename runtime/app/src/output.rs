@@ -20,3 +20,8 @@ pub(crate) fn line(text: Arguments<'_>) -> Result<()> {
         _ => Ok(()),
     }
 }
+
+/// A size in KiB, rounded.
+pub(crate) fn kib(bytes: usize) -> String {
+    format!("{:.0}", bytes as f64 / 1024.0)
+}

@@ -12,7 +12,7 @@ use backseat_units::Timestamp;
 use clap::Args;
 use tracing::info;
 
-use crate::cli::WorldArguments;
+use crate::cli::{WorldArguments, seed};
 use crate::clock::Clock;
 use crate::events::Events;
 use crate::mvc::log::Log;
@@ -35,7 +35,7 @@ pub(crate) struct Plc {
     #[arg(long, value_name = "DIR")]
     pub(crate) folder: Option<PathBuf>,
     /// Seed for the world, the noise and what the specification leaves open
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Write every event to this file, with the seconds since the start
     #[arg(long, value_name = "FILE")]

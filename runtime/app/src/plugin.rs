@@ -69,18 +69,27 @@ pub(crate) fn plugin(command: &Plugin) -> Result<bool> {
 
 /// Reads a component, and says if the sources beside it are newer.
 fn read_component(path: &std::path::Path) -> Result<ComponentFile> {
-    if path.is_dir() {
-        let project = Project::open(path)?;
-        let component = project.built()?;
-        if let Some(source) = project.newer_source() {
-            tell(&format!(
-                "{} is older than {}: `backseat plugin build` makes it anew",
-                component.display(),
-                source.display()
-            ));
-        }
+    if let Some(stale) = stale(path)? {
+        tell(&stale);
     }
     Ok(ComponentFile::read(path)?)
+}
+
+/// In one line, if the component in a plugin's folder is older than its sources. The path of a component says nothing about
+/// its sources.
+fn stale(path: &std::path::Path) -> Result<Option<String>> {
+    if !path.is_dir() {
+        return Ok(None);
+    }
+    let project = Project::open(path)?;
+    let component = project.built()?;
+    Ok(project.newer_source().map(|source| {
+        format!(
+            "{} is older than {}: `backseat plugin build` makes it anew",
+            component.display(),
+            source.display()
+        )
+    }))
 }
 
 /// The time since now.

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use backseat_mission::Mission;
+use backseat_mvc::FaultPlan;
 use backseat_plc::{FileFailure, PlcConfig};
 use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder, read};
@@ -16,7 +17,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use tracing::{Level, enabled, info, warn};
 
 use crate::cache::host;
-use crate::cli::MissionArguments;
+use crate::cli::{MissionArguments, seed};
 use crate::clock::{Clock, pause};
 use crate::log::{plugin_lines, sources};
 use crate::map::open;
@@ -32,7 +33,7 @@ pub(crate) struct Sim {
     #[command(flatten)]
     pub(crate) mission: MissionArguments,
     /// Seed for the world, the noise and what the specification leaves open
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Inject the faults in this file, instead of the [faults] of world.toml
     #[arg(long, value_name = "FILE.toml")]
@@ -136,9 +137,13 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     for line in &beyond {
         warn!("{line}");
     }
-    if let Some(plan) = faults {
-        simulation.set_faults(plan);
-    }
+    let faults = match faults {
+        Some(plan) => {
+            simulation.set_faults(plan.clone());
+            plan
+        }
+        None => scenario.world.faults.plan()?,
+    };
     if let (Some(path), Some(script)) = (&arguments.script, script) {
         simulation
             .set_script(script)
@@ -175,7 +180,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     if arguments.json {
         say!("{}", serde_json::to_string(&report)?);
     } else {
-        print_report(&report, arguments)?;
+        print_report(&report, &faults, arguments)?;
     }
     let failed_files = failed_files.borrow();
     if let Some(first) = failed_files.first() {
@@ -278,7 +283,7 @@ fn show(progress: &ProgressBar, simulation: &Simulation, clock: &Clock) {
     progress.tick();
 }
 
-fn print_report(report: &Report, arguments: &Sim) -> Result<()> {
+fn print_report(report: &Report, faults: &FaultPlan, arguments: &Sim) -> Result<()> {
     let Report {
         mission,
         seed,
@@ -296,9 +301,7 @@ fn print_report(report: &Report, arguments: &Sim) -> Result<()> {
     );
     say!("  requests: {requests}");
     say!("  control: {}", report.control);
-    if report.faults > 0 {
-        say!("  {} faults", report.faults);
-    }
+    print_faults(faults, *sim_seconds)?;
     for reason in &report.rejections {
         say!("    rejected {reason}");
     }
@@ -336,6 +339,30 @@ fn print_report(report: &Report, arguments: &Sim) -> Result<()> {
     }
     if let Some(path) = &arguments.map {
         say!("  map: {}", path.display());
+    }
+    Ok(())
+}
+
+/// The faults in the order of their times, at most so many of them.
+fn print_faults(plan: &FaultPlan, sim_seconds: f64) -> Result<()> {
+    const SHOWN: usize = 10;
+    let mut faults: Vec<_> = plan.faults.iter().collect();
+    faults.sort_by_key(|fault| fault.at);
+    for fault in faults.iter().take(SHOWN) {
+        let at_s = fault.at.as_secs_f64();
+        let lasts = match fault.lasts.as_secs_f64() {
+            0.0 => String::new(),
+            seconds => format!(" for {seconds} s"),
+        };
+        let late = if at_s > sim_seconds {
+            "; it never began, because the run ended before"
+        } else {
+            ""
+        };
+        say!("  fault at {at_s} s{lasts}: {}{late}", fault.kind);
+    }
+    if faults.len() > SHOWN {
+        say!("  and {} more faults", faults.len() - SHOWN);
     }
     Ok(())
 }

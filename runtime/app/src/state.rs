@@ -69,7 +69,7 @@ impl State {
                 Ok(state)
             }
             Err(fs::TryLockError::WouldBlock) => bail!(
-                "{}: another runtime uses this folder: stop that runtime, or choose another folder with --state DIR",
+                "{}: another runtime uses this folder, so it may be steering the vehicle: stop that runtime first",
                 folder.display()
             ),
             Err(fs::TryLockError::Error(error)) => Err(error).with_context(|| format!("{}", path.display())),
@@ -88,7 +88,8 @@ impl State {
             (None, None) => Ok(()),
             (Some(vehicle), Some(says)) if vehicle == says => Ok(()),
             (Some(vehicle), Some(says)) => bail!(
-                "{}: this folder belongs to the vehicle `{says}`, but the mission is for `{vehicle}` (vehicle.name)",
+                "{}: this folder belongs to the vehicle `{says}`, but the mission is for `{vehicle}` \
+                 (vehicle.name): choose a folder of this vehicle with --state DIR",
                 self.folder.display()
             ),
             (None, Some(says)) => bail!(

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A mission that cannot be used. The message is one line: the file, the place in it, what was expected.
 #[derive(Debug, thiserror::Error)]
@@ -16,6 +16,14 @@ pub enum MissionError {
     NoMission {
         /// The path that was given.
         path: PathBuf,
+    },
+    /// A file was given in place of a folder.
+    #[error("{}: this is a file: give the mission's folder{}", path.display(), of_folder(folder))]
+    NoFolder {
+        /// The path that was given.
+        path: PathBuf,
+        /// The folder that it is in.
+        folder: PathBuf,
     },
     /// An error in a TOML file.
     #[error("{}:{line}: {message}", path.display())]
@@ -53,4 +61,11 @@ pub enum MissionError {
         /// The places that were tried, in order.
         looked: String,
     },
+}
+
+fn of_folder(folder: &Path) -> String {
+    match folder.to_str() {
+        None | Some("") => String::new(),
+        Some(folder) => format!(", {folder}"),
+    }
 }

@@ -84,8 +84,15 @@ impl Mission {
     pub fn load(folder: &Path, layers: &Layers) -> Result<Self, MissionError> {
         let path = folder.join("mission.toml");
         if !path.is_file() {
-            return Err(MissionError::NoMission {
-                path: folder.to_path_buf(),
+            return Err(if folder.is_file() {
+                MissionError::NoFolder {
+                    path: folder.to_path_buf(),
+                    folder: folder.parent().map(Path::to_path_buf).unwrap_or_default(),
+                }
+            } else {
+                MissionError::NoMission {
+                    path: folder.to_path_buf(),
+                }
             });
         }
         let text = read(&path)?;

@@ -62,7 +62,7 @@ pub enum HostError {
         allowed: &'static str,
     },
     /// The component lacks exports of a plugin.
-    #[error("{plugin}: does not export {missing}, expected describe, init, step, snapshot and restore")]
+    #[error("{plugin}: does not export {missing}: expected a plugin (in Rust, `backseat_sdk::export!(TYPE)` once)")]
     Exports {
         /// The plugin.
         plugin: String,

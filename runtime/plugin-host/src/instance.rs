@@ -237,7 +237,10 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
         _ => FaultKind::Trap,
     };
     let text = match kind {
-        FaultKind::OutOfFuel => format!("used all its fuel: {} units", state.fuel),
+        FaultKind::OutOfFuel => format!(
+            "used all its fuel: {} units (plugin.budget in mission.toml)",
+            state.fuel
+        ),
         FaultKind::Deadline => DEADLINE.to_owned(),
         FaultKind::TooMuch => "passed more bytes to the host than one call may".to_owned(),
         FaultKind::Memory => {

@@ -110,7 +110,8 @@ pub struct QueueSettings {
     pub shrink: f64,
     /// A circle is not made smaller than this radius, metres.
     pub radius_min_m: f64,
-    /// A leg that ends after this part of the time that it takes counts as flown, 0 to 1.
+    /// A line that ends after this part of it, or a circle that ends after this part of the time that it takes, counts as
+    /// flown, 0 to 1.
     pub flown: f64,
     /// Farther from its line than this the vehicle is still on its way to it, metres.
     pub on_line_m: f64,
@@ -251,7 +252,16 @@ impl InsertQueue {
     /// [`Event::Shutdown`]. Writes to the log what becomes of each leg.
     #[must_use]
     pub fn step(&mut self, input: &StepInput, flight: &Flight) -> Vec<Request> {
-        let mut requests = Vec::new();
+        let mut requests = self.hear_all(input, flight);
+        requests.extend(std::iter::from_fn(|| self.ask_one(input, flight)));
+        requests
+    }
+
+    /// The first half of [`InsertQueue::step`]: takes in what has happened. Returns cancels, for what is open and belongs to
+    /// no leg. A plugin that adds legs because of what has happened does so between the two halves.
+    #[must_use]
+    pub fn hear_all(&mut self, input: &StepInput, flight: &Flight) -> Vec<Request> {
+        let mut cancels = Vec::new();
         if let Some(navigation) = &input.navigation {
             self.follow(navigation, flight);
         }
@@ -268,21 +278,28 @@ impl InsertQueue {
                 }
             } else if let Event::Restored(restored) = event {
                 self.restored(restored, input.now_ns);
-                requests.extend(self.strays.iter().map(|tag| Request::Cancel(*tag)));
+                cancels.extend(self.strays.iter().map(|tag| Request::Cancel(*tag)));
             } else if matches!(event, Event::Shutdown) {
                 self.shut_down = true;
             }
         }
+        cancels
+    }
+
+    /// The second half of [`InsertQueue::step`], one leg at a time: the request for the next leg, if one is due.
+    pub fn ask_one(&mut self, input: &StepInput, flight: &Flight) -> Option<Request> {
         if !input.control || self.shut_down {
-            return requests;
+            return None;
         }
-        loop {
-            let interrupt = self.settings.interrupt && self.open() == 0;
-            let Some((index, tag)) = self.ask(input.now_ns) else {
-                return requests;
-            };
-            requests.push(flight.request(&self.tasks[index].leg, tag, interrupt));
-        }
+        let interrupt = self.settings.interrupt && self.open() == 0;
+        let (index, tag) = self.ask(input.now_ns)?;
+        Some(flight.request(&self.tasks[index].leg, tag, interrupt))
+    }
+
+    /// Whether the power goes off soon: then nothing is asked for any more.
+    #[must_use]
+    pub const fn is_shut_down(&self) -> bool {
+        self.shut_down
     }
 
     fn follow(&mut self, navigation: &Navigation, flight: &Flight) {
@@ -382,8 +399,7 @@ impl InsertQueue {
                 Turn::Began
             }
             State::Ended(why) => {
-                let due_s = task.leg.length_m() / speed_mps;
-                if task.flown_s(now_ns) >= settings.flown * due_s {
+                if task.flown(now_ns, speed_mps) >= settings.flown {
                     task.standing = Standing::Flown;
                     Turn::Flown
                 } else {
@@ -514,16 +530,28 @@ impl InsertQueue {
 }
 
 impl Task {
-    fn flown_s(&self, now_ns: u64) -> f64 {
-        match self.standing {
-            Standing::Open {
-                started_ns: Some(started_ns),
-                ..
-            } => now_ns.saturating_sub(started_ns) as f64 / SECOND_NS as f64,
-            Standing::Open { started_ns: None, .. }
-            | Standing::Waiting { .. }
-            | Standing::Flown
-            | Standing::Dropped => 0.0,
+    /// Which part of the leg was flown, 0 to 1 and more: of a line as far as the vehicle was seen on it, of a circle by
+    /// the time.
+    fn flown(&self, now_ns: u64, speed_mps: f64) -> f64 {
+        match (self.leg, self.standing) {
+            (Leg::Line(_), _) => self.progress,
+            (
+                Leg::Circle(_),
+                Standing::Open {
+                    started_ns: Some(started_ns),
+                    ..
+                },
+            ) => {
+                let flown_s = now_ns.saturating_sub(started_ns) as f64 / SECOND_NS as f64;
+                flown_s * speed_mps / self.leg.length_m()
+            }
+            (
+                Leg::Circle(_),
+                Standing::Open { started_ns: None, .. }
+                | Standing::Waiting { .. }
+                | Standing::Flown
+                | Standing::Dropped,
+            ) => 0.0,
         }
     }
 
@@ -630,6 +658,7 @@ mod tests {
         assert_eq!(queue.step(&StepInput::default(), &flight()), [], "without control");
         assert_eq!(tags(&queue.step(&at(0), &flight())), [1, 2, 3]);
         assert_eq!(hear(&mut queue, 1, &State::Started, 0), Turn::Began);
+        queue.fly(EastNorth::new(290.0, 0.0), EastNorth::new(1.5, 0.0));
         let ended = Event::Outcome(Outcome { tag: 1, state: done() });
         let input = StepInput {
             events: vec![ended],

@@ -27,6 +27,10 @@ const WAITING_MAX: usize = 1 << 20;
 /// A client that reads nothing for [`STALL_MAX`] is disconnected.
 const WAITING_AT_MAX_SPEED: usize = 1 << 16;
 const STALL_MAX: Duration = Duration::from_secs(2);
+/// At `--speed max` a client's first commands would arrive minutes late by the vehicle's clock. So the clock begins when
+/// the clients that it waits for have said nothing for this long, and after [`SETTLE_MAX`] at the latest.
+const SETTLE: Duration = Duration::from_millis(250);
+const SETTLE_MAX: Duration = Duration::from_secs(2);
 /// Overdue steps are taken for this long at most before clients are read again.
 const STEPS_FOR: Duration = Duration::from_millis(5);
 /// How much real time of the log a killed process can lose.
@@ -56,6 +60,8 @@ struct Server {
     scratch: Vec<u8>,
     flush_at: Duration,
     accept_at: Duration,
+    /// At the greatest speed the vehicle stands until the first of these times, and until the second at the latest.
+    settling: Option<(Duration, Duration)>,
     sentences: (u64, u64),
 }
 
@@ -127,6 +133,7 @@ impl Service {
             scratch: Vec::new(),
             flush_at: Duration::ZERO,
             accept_at: Duration::ZERO,
+            settling: None,
             sentences: (0, 0),
         };
         server
@@ -211,7 +218,8 @@ impl Server {
     /// Whether the vehicle waits: for clients to connect, or at the greatest speed for one of them to read.
     fn held(&self) -> bool {
         let slow = |connection: &Connection| connection.peer.waiting() > WAITING_AT_MAX_SPEED;
-        let stands = self.vehicle_clock.waits_for().is_some();
+        let settles = |(quiet, latest): (Duration, Duration)| self.clock.elapsed() < quiet.min(latest);
+        let stands = self.vehicle_clock.waits_for().is_some() || self.settling.is_some_and(settles);
         stands || self.speed == Speed::Max && self.connections.values().any(slow)
     }
 
@@ -288,6 +296,9 @@ impl Server {
 
     fn hear(&mut self, what: Heard) {
         let now = self.now();
+        if let Some((quiet, _)) = &mut self.settling {
+            *quiet = self.clock.elapsed() + SETTLE;
+        }
         match what {
             // The permit is dropped at the end, which allows the client's next read.
             Heard::Bytes(client, bytes, _permit) => {

@@ -2,7 +2,7 @@ use anyhow::Result;
 use backseat_plugin_tools::{ComponentFile, Kit, Project};
 
 use super::Folder;
-use crate::output::say;
+use crate::output::{kib, say};
 
 pub(super) fn build(arguments: &Folder) -> Result<bool> {
     let project = Project::open(&arguments.dir)?;
@@ -14,9 +14,9 @@ pub(super) fn build(arguments: &Folder) -> Result<bool> {
 pub(super) fn build_project(project: &Project, kit: &Kit) -> Result<()> {
     let component = ComponentFile::read(&backseat_plugin_tools::build(project, kit)?)?;
     say!(
-        "built {}: {} kB, SHA-256 {}",
+        "built {}: {} KiB, SHA-256 {}",
         component.path.display(),
-        component.bytes.len() / 1024,
+        kib(component.bytes.len()),
         component.sha256
     );
     Ok(())

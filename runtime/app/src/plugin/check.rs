@@ -6,7 +6,7 @@ use backseat_plugin_tools::{Report, Task, ToolError};
 use clap::{Args, value_parser};
 use serde_json::json;
 
-use super::{read_component, stopwatch};
+use super::{read_component, stale, stopwatch};
 use crate::cache::host_with;
 use crate::output::say;
 use crate::plugins::DEADLINE;
@@ -63,7 +63,8 @@ pub(super) fn check(arguments: &Check) -> Result<bool> {
         progress.tick();
     });
     progress.finish_and_clear();
-    let report = report?;
+    let mut report = report?;
+    report.remarks.extend(stale(&arguments.component)?);
     if arguments.json {
         let mut object = serde_json::to_value(&report)?;
         object["passed"] = json!(report.passed());

@@ -92,7 +92,7 @@ fn check_says_where_each_plugin_comes_from() {
     let place = format!("(cache: {})", own.cache.display());
     for origin in ["compiled now", "from the cache"] {
         let said = own.check(&mission).stdout;
-        says(&said, &format!(" kB, {origin}, a step every "));
+        says(&said, &format!(" KiB, {origin}, a step every "));
         says(&said, &place);
     }
     let said = own
@@ -101,7 +101,7 @@ fn check_says_where_each_plugin_comes_from() {
         .run()
         .exit(0)
         .stdout;
-    says(&said, " kB, compiled now, a step every ");
+    says(&said, " KiB, compiled now, a step every ");
     says(&said, "(no cache)");
     let off = own
         .command(&["check"])
@@ -221,5 +221,5 @@ fn processes_that_start_at_once_do_not_disturb_each_other() {
         says(&process.stdout(), "\nready\n");
     }
     assert_eq!(own.files().len(), 1);
-    says(&own.check(&mission).stdout, " kB, from the cache, a step every ");
+    says(&own.check(&mission).stdout, " KiB, from the cache, a step every ");
 }

@@ -1,7 +1,8 @@
 use backseat_mission::with_suggestion;
 use backseat_mvc::{Direction, Fault, OperatorLine};
 
-use super::Server;
+use super::{SETTLE, SETTLE_MAX, Server};
+use crate::speed::Speed;
 
 /// What the operator and the script do to the vehicle and its links, and how the vehicle's clock begins.
 impl Server {
@@ -62,6 +63,10 @@ impl Server {
     /// A client has come, or gone. With enough of them the vehicle's clock begins.
     pub(super) fn count_connected(&mut self) {
         if self.vehicle_clock.connected(self.connections.len()) {
+            if self.speed == Speed::Max {
+                let now = self.clock.elapsed();
+                self.settling = Some((now + SETTLE, now + SETTLE_MAX));
+            }
             self.status.say(self.clock.elapsed(), "the vehicle's clock begins");
         } else {
             self.tell_of_waiting();

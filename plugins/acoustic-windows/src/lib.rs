@@ -159,15 +159,7 @@ impl Plugin for AcousticWindows {
         Ok(packet.into_iter().chain(modify).collect())
     }
 
-    fn snapshot(&self) -> Vec<u8> {
-        // Serialising numbers into a growing vector cannot fail.
-        postcard::to_allocvec(&self.state).unwrap_or_default()
-    }
-
-    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
-        self.state = postcard::from_bytes(state).map_err(|error| format!("the state does not parse: {error}"))?;
-        Ok(())
-    }
+    backseat_sdk::keep!(state);
 }
 
 impl AcousticWindows {

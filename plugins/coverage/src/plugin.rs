@@ -2,7 +2,7 @@ use backseat_sdk::sonar::coverage::{CoverageMap, MapState, NoiseFloor, PingStack
 use backseat_sdk::units::{EastNorth, LocalFrame, Position};
 use backseat_sdk::{
     Description, Event, Grant, Navigation, Outcome, Plugin, Refusal, Request, Restored, Rule, SonarEvent, SonarPing,
-    SonarSet, SonarSetting, StepInput, Topic, Trackline, Vertical, fence, log, measures,
+    SonarSet, SonarSetting, StepInput, Topic, Trackline, Vertical, fence, kept, log, measures,
 };
 use serde::{Deserialize, Serialize};
 
@@ -194,13 +194,11 @@ impl Plugin for Coverage {
     }
 
     fn snapshot(&self) -> Vec<u8> {
-        // Serialising numbers into a growing vector cannot fail.
-        postcard::to_allocvec(&(&self.state, self.map.state())).unwrap_or_default()
+        kept::write(&(&self.state, self.map.state()))
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
-        let (state, map): (State, MapState) =
-            postcard::from_bytes(state).map_err(|error| format!("the state does not parse: {error}"))?;
+        let (state, map): (State, MapState) = kept::read(state)?;
         self.map.set_state(&map).map_err(|error| error.to_string())?;
         self.state = state;
         Ok(())

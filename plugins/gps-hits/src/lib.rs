@@ -126,15 +126,7 @@ impl Plugin for GpsHits {
         Ok(self.ask(navigation, drift_m, input.now_ns).into_iter().collect())
     }
 
-    fn snapshot(&self) -> Vec<u8> {
-        // Serialising numbers into a growing vector cannot fail.
-        postcard::to_allocvec(&self.state).unwrap_or_default()
-    }
-
-    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
-        self.state = postcard::from_bytes(state).map_err(|error| format!("the state does not parse: {error}"))?;
-        Ok(())
-    }
+    backseat_sdk::keep!(state);
 }
 
 impl GpsHits {

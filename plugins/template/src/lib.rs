@@ -80,18 +80,9 @@ impl Plugin for HoldHeading {
         })])
     }
 
-    // The state that a new instance needs after a failure: here the last tag, so that none is used twice.
-    fn snapshot(&self) -> Vec<u8> {
-        self.tag.to_le_bytes().to_vec()
-    }
-
-    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
-        let bytes = state
-            .try_into()
-            .map_err(|_| format!("a state of {} bytes, expected 8", state.len()))?;
-        self.tag = u64::from_le_bytes(bytes);
-        Ok(())
-    }
+    // What a new instance needs after a failure: here the last tag, so that none is used twice. It may be a struct that
+    // derives serde's Serialize and Deserialize.
+    backseat_sdk::keep!(tag);
 }
 
 backseat_sdk::export!(HoldHeading);

@@ -6,10 +6,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The files and folders of the kit, from the workspace's folder.
-const KIT: [&str; 9] = [
+const KIT: [&str; 11] = [
     "LICENSE-APACHE",
     "LICENSE-MIT",
     "missions/template",
+    "plugins/python/backseat_sdk",
+    "plugins/python/template",
     "plugins/sdk/Cargo.toml",
     "plugins/sdk/src",
     "plugins/template",
@@ -49,6 +51,10 @@ fn main() -> std::io::Result<()> {
 }
 
 fn collect(path: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    // What Python leaves beside its sources is not a part of the kit.
+    if path.ends_with("__pycache__") {
+        return Ok(());
+    }
     println!("cargo::rerun-if-changed={}", path.display());
     if path.is_dir() {
         for entry in fs::read_dir(path)? {

@@ -20,14 +20,15 @@ use crate::terminal::tell;
 pub(crate) enum Plugin {
     /// Make a new plugin in the folder NAME
     ///
-    /// The folder has a crate with a unit test, the mission of its test flights, and a Cargo.lock with the versions that
-    /// this program was tested with. It depends on the SDK, which this program unpacks once for each version into
-    /// BACKSEAT_KIT [default: backseat/kit in XDG_DATA_HOME, or in ~/.local/share].
+    /// The folder has a crate or a Python module with unit tests, and the mission of its test flights. A crate also has a
+    /// Cargo.lock with the versions that this program was tested with. The plugin depends on the SDK, which this program
+    /// unpacks once for each version into BACKSEAT_KIT [default: backseat/kit in XDG_DATA_HOME, or in ~/.local/share].
     New(new::New),
     /// Build the component of a plugin, DIR/NAME.wasm
     ///
-    /// The same sources give the same component, byte for byte, wherever the folder is, as long as the SDK is at the same
-    /// place. It imports nothing of the system (no WASI).
+    /// In Rust the same sources give the same component, byte for byte, wherever the folder is, as long as the SDK is at
+    /// the same place. It imports nothing of the system (no WASI). For a plugin in Python this program installs
+    /// componentize-py and pytest once, if the Python that PYTHON names [default: python3] has not got them.
     Build(Folder),
     /// Run a plugin's unit tests, build it, and fly its mission over some seeds
     ///
@@ -52,7 +53,7 @@ pub(crate) enum Plugin {
 /// The folder of a plugin.
 #[derive(Debug, Args)]
 pub(crate) struct Folder {
-    /// The plugin's folder, with its Cargo.toml
+    /// The plugin's folder, with its Cargo.toml or pyproject.toml
     #[arg(default_value = ".")]
     pub(crate) dir: PathBuf,
 }

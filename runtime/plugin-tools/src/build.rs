@@ -3,15 +3,20 @@ use std::process::Command;
 
 use crate::error::ToolError;
 use crate::kit::Kit;
-use crate::project::Project;
+use crate::project::{Language, Project};
+use crate::python::Python;
 
-/// Runs the author's unit tests with `cargo test`, whose output goes to this program's streams. Returns whether they
-/// passed.
+/// Runs the author's unit tests with `cargo test` or pytest, whose output goes to this program's streams. Returns whether
+/// they passed. `tell` gets a line for the user before something that takes long.
 ///
 /// # Errors
 ///
-/// [`ToolError::NoSdk`] if the SDK is not where the plugin looks for it, [`ToolError::NoRust`] without cargo.
-pub fn unit_tests(project: &Project, kit: &Kit) -> Result<bool, ToolError> {
+/// [`ToolError::NoSdk`] if the SDK is not where the plugin looks for it, [`ToolError::NoRust`] without cargo,
+/// [`ToolError::NoPython`] and [`ToolError::Python`] without what Python needs.
+pub fn unit_tests(project: &Project, kit: &Kit, tell: &dyn Fn(&str)) -> Result<bool, ToolError> {
+    if project.language() == Language::Python {
+        return Python::ready(kit, tell)?.unit_tests(project);
+    }
     project.require_sdk(kit)?;
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(&cargo).arg("test").current_dir(project.folder()).status();
@@ -22,12 +27,16 @@ pub fn unit_tests(project: &Project, kit: &Kit) -> Result<bool, ToolError> {
     Ok(status.success())
 }
 
-/// Builds the component, and returns its path. Cargo's messages go to standard error.
+/// Builds the component, and returns its path. The messages of Cargo, or of Python, go to standard error. `tell` gets a
+/// line for the user before something that takes long.
 ///
 /// # Errors
 ///
-/// [`ToolError`] in one line, after the messages of cargo if the code does not compile.
-pub fn build(project: &Project, kit: &Kit) -> Result<PathBuf, ToolError> {
+/// [`ToolError`] in one line, after the messages of the compiler if the code does not compile.
+pub fn build(project: &Project, kit: &Kit, tell: &dyn Fn(&str)) -> Result<PathBuf, ToolError> {
+    if project.language() == Language::Python {
+        return Python::ready(kit, tell)?.build(project);
+    }
     project.require_sdk(kit)?;
     let built = backseat_componentize::build(project.folder(), &[], project.folder())?;
     let component = project.component();

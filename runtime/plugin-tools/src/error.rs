@@ -44,12 +44,12 @@ pub enum ToolError {
         source: std::io::Error,
     },
     /// The folder is not a plugin's.
-    #[error("{}: no Cargo.toml here: expected the folder of a plugin, as `backseat plugin new NAME` makes it", path.display())]
+    #[error("{}: no Cargo.toml or pyproject.toml here: expected the folder of a plugin, as `backseat plugin new NAME` makes it", path.display())]
     NoProject {
         /// The folder.
         path: PathBuf,
     },
-    /// A plugin's `Cargo.toml` cannot be used.
+    /// A plugin's `Cargo.toml` or `pyproject.toml` cannot be used.
     #[error("{}: {fault}", path.display())]
     Manifest {
         /// The file.
@@ -90,6 +90,28 @@ pub enum ToolError {
         tool: String,
         /// The reason.
         source: std::io::Error,
+    },
+    /// There is no Python.
+    #[error("{tool} does not start ({source}): install Python 3.11 or later, or set PYTHON")]
+    NoPython {
+        /// The program.
+        tool: String,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// Python cannot be used, or its packages cannot be installed.
+    #[error("{what}: {fault}")]
+    Python {
+        /// The program or the folder.
+        what: String,
+        /// What is wrong.
+        fault: String,
+    },
+    /// The SDK could not build a plugin in Python, and has said why.
+    #[error("{}: not built: the line above says why", folder.display())]
+    PythonBuild {
+        /// The plugin's folder.
+        folder: PathBuf,
     },
     /// The component cannot be built.
     #[error(transparent)]

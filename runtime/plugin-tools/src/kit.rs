@@ -55,6 +55,17 @@ impl Kit {
         &self.folder
     }
 
+    /// The folder that Python looks into for the package `backseat_sdk`.
+    #[must_use]
+    pub fn python_sdk(&self) -> PathBuf {
+        self.folder.join("plugins/python")
+    }
+
+    /// A folder beside those of the kits.
+    pub(crate) fn beside(&self, name: &str) -> PathBuf {
+        self.folder.with_file_name(name)
+    }
+
     /// The crate that a plugin depends on.
     #[must_use]
     pub fn sdk(&self) -> PathBuf {

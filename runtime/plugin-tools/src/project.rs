@@ -12,15 +12,44 @@ use toml::{Table, Value};
 
 use crate::error::{ToolError, of_file};
 use crate::kit::Kit;
+use crate::python;
 
-/// A plugin's folder: a crate with the mission that it flies in.
+/// The language of a plugin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// A crate, with `Cargo.toml`.
+    Rust,
+    /// A module `plugin`, with `pyproject.toml`.
+    Python,
+}
+
+impl Language {
+    /// The file that makes a folder a plugin of this language.
+    const fn manifest(self) -> &'static str {
+        match self {
+            Self::Rust => "Cargo.toml",
+            Self::Python => "pyproject.toml",
+        }
+    }
+
+    /// The table of that file with the plugin's name.
+    const fn table(self) -> &'static str {
+        match self {
+            Self::Rust => "package",
+            Self::Python => "project",
+        }
+    }
+}
+
+/// A plugin's folder: a crate or a Python module, with the mission that it flies in.
 ///
-/// Its component is beside its `Cargo.toml`, as `NAME.wasm`: the file that its author hands on, where a person looks
+/// Its component is beside its manifest, as `NAME.wasm`: the file that its author hands on, where a person looks
 /// for it, and out of the reach of `cargo clean`. The project's `mission/mission.toml` names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Project {
     folder: PathBuf,
     name: String,
+    language: Language,
 }
 
 impl Project {
@@ -30,7 +59,7 @@ impl Project {
     ///
     /// [`ToolError::Name`] if a plugin cannot be called so, [`ToolError::Exists`] if there is something already,
     /// [`ToolError::File`] if the folder cannot be written.
-    pub fn create(parent: &Path, name: &str, kit: &Kit) -> Result<Self, ToolError> {
+    pub fn create(parent: &Path, name: &str, language: Language, kit: &Kit) -> Result<Self, ToolError> {
         name::check(name)?;
         let folder = parent.join(name);
         let exists = || ToolError::Exists { path: folder.clone() };
@@ -38,7 +67,7 @@ impl Project {
             return Err(exists());
         }
         let new = temporary(parent).map_err(of_file(parent))?;
-        for (path, text) in template::files(name, kit) {
+        for (path, text) in template::files(name, language, kit) {
             let file = new.path().join(&path);
             if let Some(within) = file.parent() {
                 fs::create_dir_all(within).map_err(of_file(within))?;
@@ -55,6 +84,7 @@ impl Project {
         Ok(Self {
             folder,
             name: name.to_owned(),
+            language,
         })
     }
 
@@ -62,20 +92,36 @@ impl Project {
     ///
     /// # Errors
     ///
-    /// [`ToolError::NoProject`] without a `Cargo.toml`, [`ToolError::Manifest`] if that names no package.
+    /// [`ToolError::NoProject`] without a `Cargo.toml` or `pyproject.toml`, [`ToolError::Manifest`] if that names no
+    /// package.
     pub fn open(folder: &Path) -> Result<Self, ToolError> {
-        let (path, manifest) = manifest(folder)?;
+        let mut languages = [Language::Rust, Language::Python].into_iter();
+        let there = languages.find(|language| folder.join(language.manifest()).is_file());
+        let language = there.ok_or_else(|| ToolError::NoProject {
+            path: folder.to_path_buf(),
+        })?;
+        let (path, manifest) = manifest(folder, language)?;
         let name = manifest
-            .get("package")
+            .get(language.table())
             .and_then(|package| package.get("name")?.as_str());
         let name = name.ok_or_else(|| ToolError::Manifest {
             path,
-            fault: "no [package] with a name: expected the folder of one plugin".to_owned(),
+            fault: format!(
+                "no [{}] with a name: expected the folder of one plugin",
+                language.table()
+            ),
         })?;
         Ok(Self {
             folder: folder.to_path_buf(),
             name: name.to_owned(),
+            language,
         })
+    }
+
+    /// Its language.
+    #[must_use]
+    pub const fn language(&self) -> Language {
+        self.language
     }
 
     /// Its folder.
@@ -148,8 +194,14 @@ impl Project {
     #[must_use]
     pub fn newer_source(&self) -> Option<PathBuf> {
         let built = modified(&self.component())?;
-        let mut sources = vec![self.part("Cargo.toml"), self.part("Cargo.lock")];
-        collect(&self.part("src"), &mut sources);
+        let mut sources = vec![self.part(self.language.manifest())];
+        match self.language {
+            Language::Rust => {
+                sources.push(self.part("Cargo.lock"));
+                collect(&self.part("src"), &mut sources);
+            }
+            Language::Python => python::sources(&self.folder, &mut sources),
+        }
         sources
             .into_iter()
             .find(|source| modified(source).is_some_and(|at| at > built))
@@ -161,7 +213,7 @@ impl Project {
     ///
     /// [`ToolError::NoSdk`] if it is not, with the place of this program's SDK.
     pub(crate) fn require_sdk(&self, kit: &Kit) -> Result<(), ToolError> {
-        let (path, manifest) = manifest(&self.folder)?;
+        let (path, manifest) = manifest(&self.folder, Language::Rust)?;
         let dependencies = manifest.get("dependencies");
         let named = dependencies
             .and_then(|all| all.get("backseat-sdk")?.get("path"))
@@ -177,14 +229,9 @@ impl Project {
     }
 }
 
-/// The path and the content of a folder's `Cargo.toml`.
-fn manifest(folder: &Path) -> Result<(PathBuf, Table), ToolError> {
-    let path = folder.join("Cargo.toml");
-    if !path.is_file() {
-        return Err(ToolError::NoProject {
-            path: folder.to_path_buf(),
-        });
-    }
+/// The path and the content of a folder's manifest.
+fn manifest(folder: &Path, language: Language) -> Result<(PathBuf, Table), ToolError> {
+    let path = folder.join(language.manifest());
     let text = fs::read_to_string(&path).map_err(of_file(&path))?;
     match text.parse() {
         Ok(manifest) => Ok((path, manifest)),
@@ -227,7 +274,7 @@ mod tests {
     fn a_project_has_its_parts_and_nothing_is_left_behind() {
         let place = tempfile::tempdir().unwrap();
         let kit = Kit::ready_in(&place.path().join("kit")).unwrap();
-        let project = Project::create(place.path(), "drift", &kit).unwrap();
+        let project = Project::create(place.path(), "drift", Language::Rust, &kit).unwrap();
         assert_eq!(Project::open(&place.path().join("drift")).unwrap(), project);
         for part in [
             "src/lib.rs",
@@ -241,14 +288,16 @@ mod tests {
         let hidden = fs::read_dir(place.path()).unwrap();
         assert_eq!(hidden.count(), 2, "the kit and the plugin");
         project.require_sdk(&kit).unwrap();
-        let error = Project::create(place.path(), "drift", &kit).unwrap_err().to_string();
+        let error = Project::create(place.path(), "drift", Language::Rust, &kit)
+            .unwrap_err()
+            .to_string();
         assert!(
             error.ends_with("drift: exists already: choose another name, or remove it"),
             "{error}"
         );
         fs::write(place.path().join("file"), "").unwrap();
         assert!(matches!(
-            Project::create(place.path(), "file", &kit),
+            Project::create(place.path(), "file", Language::Rust, &kit),
             Err(ToolError::Exists { .. })
         ));
     }
@@ -258,7 +307,7 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let first = Kit::ready_in(&place.path().join("first")).unwrap();
         let second = Kit::ready_in(&place.path().join("second")).unwrap();
-        let project = Project::create(place.path(), "drift", &first).unwrap();
+        let project = Project::create(place.path(), "drift", Language::Rust, &first).unwrap();
         fs::remove_dir_all(place.path().join("first")).unwrap();
         let error = project.require_sdk(&second).unwrap_err().to_string();
         let expected = format!("set the path of backseat-sdk to {}", second.sdk().display());
@@ -266,10 +315,53 @@ mod tests {
     }
 
     #[test]
+    fn a_project_in_python_has_its_parts() {
+        let place = tempfile::tempdir().unwrap();
+        let kit = Kit::ready_in(&place.path().join("kit")).unwrap();
+        let project = Project::create(place.path(), "drift", Language::Python, &kit).unwrap();
+        assert_eq!(Project::open(&place.path().join("drift")).unwrap(), project);
+        for part in [
+            "plugin.py",
+            "test_plugin.py",
+            "README.md",
+            ".gitignore",
+            "mission/world.toml",
+        ] {
+            assert!(project.folder().join(part).is_file(), "{part}");
+        }
+        assert!(kit.python_sdk().join("backseat_sdk/build.py").is_file());
+        let mission = fs::read_to_string(project.mission().join("mission.toml")).unwrap();
+        assert!(mission.contains("component = \"../drift.wasm\""), "{mission}");
+        // A source in an environment, or in a hidden folder, is not the plugin's.
+        fs::write(project.component(), "").unwrap();
+        for (folder, marked) in [("env", true), (".hidden", false)] {
+            let folder = project.folder().join(folder);
+            fs::create_dir(&folder).unwrap();
+            if marked {
+                fs::write(folder.join("pyvenv.cfg"), "").unwrap();
+            }
+            fs::write(folder.join("late.py"), "").unwrap();
+        }
+        assert_eq!(project.newer_source(), None);
+        fs::write(project.folder().join("late.py"), "").unwrap();
+        let source = fs::File::options()
+            .write(true)
+            .open(project.folder().join("late.py"))
+            .unwrap();
+        source
+            .set_modified(SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(4_000_000_000))
+            .unwrap();
+        assert_eq!(project.newer_source(), Some(project.folder().join("late.py")));
+        fs::write(project.folder().join("pyproject.toml"), "[tool.x]").unwrap();
+        let error = Project::open(project.folder()).unwrap_err().to_string();
+        assert!(error.contains("no [project] with a name"), "{error}");
+    }
+
+    #[test]
     fn a_folder_without_a_package_is_refused() {
         let place = tempfile::tempdir().unwrap();
         let open = || Project::open(place.path()).unwrap_err().to_string();
-        assert!(open().contains("no Cargo.toml here"), "{}", open());
+        assert!(open().contains("no Cargo.toml or pyproject.toml here"), "{}", open());
         for (manifest, fault) in [("[workspace]", "no [package] with a name"), ("[package", "")] {
             fs::write(place.path().join("Cargo.toml"), manifest).unwrap();
             assert!(open().contains(fault) && open().lines().count() == 1, "{}", open());
@@ -280,7 +372,7 @@ mod tests {
     fn a_component_that_is_older_than_its_sources_is_noticed() {
         let place = tempfile::tempdir().unwrap();
         let kit = Kit::ready_in(&place.path().join("kit")).unwrap();
-        let project = Project::create(place.path(), "drift", &kit).unwrap();
+        let project = Project::create(place.path(), "drift", Language::Rust, &kit).unwrap();
         assert!(matches!(project.built(), Err(ToolError::NotBuilt { .. })));
         assert_eq!(project.newer_source(), None);
         fs::write(project.component(), "").unwrap();

@@ -13,6 +13,7 @@ use super::Folder;
 use super::build::build_project;
 use crate::cache::host_with;
 use crate::output::say;
+use crate::terminal::tell;
 
 #[derive(Debug, Args)]
 pub(crate) struct Test {
@@ -26,7 +27,7 @@ pub(crate) struct Test {
 pub(super) fn test(arguments: &Test) -> Result<bool> {
     let project = Project::open(&arguments.folder.dir)?;
     let kit = Kit::ready()?;
-    if !unit_tests(&project, &kit)? {
+    if !unit_tests(&project, &kit, &tell)? {
         say!("the unit tests failed, so nothing was built and flown");
         return Ok(false);
     }

@@ -1,28 +1,44 @@
-//! The files of a new plugin: those of `plugins/template` and `missions/template`, with its name.
+//! The files of a new plugin: those of `plugins/template` or `plugins/python/template`, and of `missions/template`, with
+//! its name.
 
+use super::Language;
 use crate::kit::{Content, Kit};
 
 /// The files with their paths.
-pub(super) fn files(name: &str, kit: &Kit) -> Vec<(String, String)> {
+pub(super) fn files(name: &str, language: Language, kit: &Kit) -> Vec<(String, String)> {
     let content = Content::embedded();
-    let mut files: Vec<(String, String)> = [
-        ("Cargo.toml", manifest(name, kit)),
-        ("Cargo.lock", content.lock().of_plugin(name)),
-        (
-            ".gitignore",
-            "/target\n# What `backseat plugin build` makes.\n/*.wasm\n".to_owned(),
-        ),
-        ("README.md", readme(name)),
+    let own = |files: &[(&str, String)]| -> Vec<(String, String)> {
+        let files = files.iter();
+        files.map(|(path, text)| ((*path).to_owned(), text.clone())).collect()
+    };
+    let mut files = own(&[
+        ("README.md", readme(name, language)),
         ("mission/mission.toml", mission(name, content)),
-    ]
-    .map(|(path, text)| (path.to_owned(), text))
-    .into();
-    for (path, _) in content.files() {
-        if let Some(source) = path
-            .strip_prefix("plugins/template/")
-            .filter(|path| path.starts_with("src/"))
-        {
-            files.push((source.to_owned(), content.text(path).to_owned()));
+    ]);
+    match language {
+        Language::Rust => {
+            files.extend(own(&[
+                ("Cargo.toml", manifest(name, kit)),
+                ("Cargo.lock", content.lock().of_plugin(name)),
+                (".gitignore", ignored("/target")),
+            ]));
+            for (path, _) in content.files() {
+                let source = path.strip_prefix("plugins/template/");
+                if let Some(source) = source.filter(|path| path.starts_with("src/")) {
+                    files.push((source.to_owned(), content.text(path).to_owned()));
+                }
+            }
+        }
+        Language::Python => {
+            files.extend(own(&[
+                ("pyproject.toml", python_manifest(name, kit)),
+                (".gitignore", ignored("__pycache__/")),
+            ]));
+            for (path, _) in content.files() {
+                if let Some(source) = path.strip_prefix("plugins/python/template/") {
+                    files.push((source.to_owned(), python_source(name, content.text(path))));
+                }
+            }
         }
     }
     for file in ["fence.geojson", "world.toml"] {
@@ -30,6 +46,52 @@ pub(super) fn files(name: &str, kit: &Kit) -> Vec<(String, String)> {
         files.push((format!("mission/{file}"), without_schema(text)));
     }
     files
+}
+
+fn ignored(made: &str) -> String {
+    format!("{made}\n# What `backseat plugin build` makes.\n/*.wasm\n")
+}
+
+/// A source of the template with the plugin's name, and with the commands that its author has.
+fn python_source(name: &str, text: &str) -> String {
+    let mut text = text.to_owned();
+    for (from, to) in python_replacements(name) {
+        text = text.replace(from, &to);
+    }
+    text
+}
+
+fn python_replacements(name: &str) -> [(&'static str, String); 2] {
+    [
+        (
+            "A template for new plugins. It keeps a heading, a depth and a speed while the backseat has control.
+
+Copy this folder, change the name in ``describe``, and change ``step``. ``python -m pytest`` runs the tests on this
+computer; ``python -m backseat_sdk.build`` makes the component for the runtime.
+",
+            "It keeps a heading, a depth and a speed while the backseat has control.
+
+Change ``step``. ``backseat plugin test`` runs the tests on this computer, builds the component, and flies it.
+"
+            .to_owned(),
+        ),
+        ("Description(\"template\"", format!("Description(\"{name}\"")),
+    ]
+}
+
+fn python_manifest(name: &str, kit: &Kit) -> String {
+    let sdk = toml::Value::from(kit.python_sdk().display().to_string());
+    format!(
+        r#"[project]
+name = "{name}"
+version = "0.1.0"
+requires-python = ">=3.11"
+
+[tool.pytest.ini_options]
+# The SDK that the program `backseat` has unpacked; for an editor too.
+pythonpath = [".", {sdk}]
+"#
+    )
 }
 
 fn manifest(name: &str, kit: &Kit) -> String {
@@ -56,7 +118,11 @@ serde = {{ version = "1", features = ["derive"] }}
     )
 }
 
-fn readme(name: &str) -> String {
+fn readme(name: &str, language: Language) -> String {
+    let source = match language {
+        Language::Rust => "src/lib.rs",
+        Language::Python => "plugin.py",
+    };
     format!(
         "# {name}
 
@@ -69,7 +135,7 @@ backseat plugin check    # the report that an operator signs off
 backseat sim mission --map map.svg
 ```
 
-All of the behavior is in `step` in `src/lib.rs`. `mission` is the mission of the test flights: `mission.toml` has the
+All of the behavior is in `step` in `{source}`. `mission` is the mission of the test flights: `mission.toml` has the
 limits, and what the plugin may ask for (its *grants*); `fence.geojson` says where the vehicle may be; `world.toml` is
 the simulation, and what it must fulfil. `backseat explain KEY` explains each key.
 "
@@ -121,7 +187,21 @@ mod tests {
         }
         let place = tempfile::tempdir().unwrap();
         let kit = Kit::ready_in(place.path()).unwrap();
-        for (path, text) in files("drift", &kit) {
+        for language in [Language::Rust, Language::Python] {
+            for (from, _) in python_replacements("drift") {
+                let original = content.text("plugins/python/template/plugin.py");
+                assert_eq!(
+                    original.matches(from).count(),
+                    1,
+                    "plugins/python/template/plugin.py: {from}"
+                );
+            }
+            named(files("drift", language, &kit));
+        }
+    }
+
+    fn named(files: Vec<(String, String)>) {
+        for (path, text) in files {
             assert!(
                 !text.contains("\"template\"") && !text.contains("#:schema"),
                 "{path}:\n{text}"

@@ -129,3 +129,20 @@ fn the_water_depth_of_a_sample_is_its_depth_and_its_altitude() {
     near(lock.water_depth_m, 33.0);
     assert_eq!(lock.at, at(7.0, 8.0));
 }
+
+#[test]
+fn a_depth_of_nothing_is_the_surface_and_above_it_is_no_depth() {
+    assert_eq!(
+        vertical(VerticalRequest::DepthM(0.0)).unwrap(),
+        Vertical::Depth(depth(0.0))
+    );
+    for metres in [-0.001, f64::NAN, f64::INFINITY] {
+        assert!(vertical(VerticalRequest::DepthM(metres)).is_err(), "{metres}");
+    }
+    for degrees in [-360.0, 0.0, 360.0] {
+        assert!(heading(degrees, Figure::Heading).is_ok(), "{degrees}");
+    }
+    for degrees in [-360.001, 360.001, f64::NAN] {
+        assert!(heading(degrees, Figure::Heading).is_err(), "{degrees}");
+    }
+}

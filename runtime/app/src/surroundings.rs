@@ -96,8 +96,8 @@ fn other_origin(mission: &Mission, scenario: &Scenario) -> Option<String> {
     let apart_m = hypot(apart.east_m, apart.north_m);
     (SAME_PLACE_M..50_000.0).contains(&apart_m).then(|| {
         format!(
-            "world: its metres count from its [origin], and those of plugins, log and map from a place {apart_m:.0} m \
-             away: give mission.toml the same [origin]"
+            "world: the [origin] of world.toml is {apart_m:.0} m from that of mission.toml, from which plugins, log and map \
+             count metres: give both the same [origin]"
         )
     })
 }

@@ -66,7 +66,7 @@ struct Part {
 
 const TURN: &str = "turning to it: ";
 const WAY: &str = "on the way to it: ";
-const WAY_CUT_SHORT: &str = "on the way to it from wherever a time limit ends the previous element: ";
+const WAY_CUT_SHORT: &str = "on the way to it, from a place where a time limit may end the previous element: ";
 
 impl Dive<'_> {
     /// Everything that prevents the plan from being flown inside the fence, one line each, with the place.

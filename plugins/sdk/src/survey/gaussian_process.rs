@@ -153,6 +153,12 @@ impl FieldMap {
         })
     }
 
+    /// The mean of the measurements, which is expected far from all of them.
+    #[must_use]
+    pub const fn mean(&self) -> f64 {
+        self.mean
+    }
+
     /// The value that is expected at a place; cheaper than [`FieldMap::at`].
     #[must_use]
     pub fn mean_at(&self, place: EastNorth) -> f64 {

@@ -76,8 +76,8 @@ fn print(path: &Path, verdict: &Verdict, all: bool) -> Result<()> {
             .map_or_else(|| "   ".to_owned(), |requirement| format!("{requirement:03}"));
         let fared = match (rule.unjudged, rule.broken) {
             (Some(why), _) => format!("not judged: {why}"),
-            (None, 0) => format!("held, judged {} times", rule.judged),
-            (None, broken) => format!("broken {broken} of {} times", rule.judged),
+            (None, 0) => format!("held in all {} cases", rule.judged),
+            (None, broken) => format!("BROKEN in {broken} of {} cases", rule.judged),
         };
         say!("  {requirement} {:27} {:9} {fared}", rule.rule, rule.side);
     }

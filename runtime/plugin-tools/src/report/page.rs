@@ -103,7 +103,11 @@ impl Report {
             ),
         )?;
         row(f, "ended", &listed(&outcomes))?;
-        row(f, "not met", &count(trials.unmet.len(), "expectation"))
+        row(
+            f,
+            "not met",
+            &count(trials.unmet.len(), "expectation").replace("no expectation", "none"),
+        )
     }
 
     fn requests(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -130,7 +134,7 @@ impl Report {
         let lacked: Vec<Grant> = self.grants_lacked.keys().copied().collect();
         writeln!(
             f,
-            "grants: used {}; not used {}; lacked {}",
+            "grants: used: {}; given and not used: {}; asked for and not given: {}",
             names(&self.grants_used),
             names(&self.grants_unused),
             names(&lacked)

@@ -83,6 +83,24 @@ impl Flight {
     }
 }
 
+/// Against a plain zigzag over the same area: the same plugin, which then turns at the sides alone.
+#[test]
+fn a_front_is_followed_while_it_moves() {
+    for seed in SEEDS {
+        let flight = Flight::of("front", seed);
+        let plain = Backseat::new()
+            .args(["sim", "--json", "--seed", seed])
+            .args(["--set", "plugin.front.config.adaptive=false"])
+            .mission(&Mission::copy("front"))
+            .run()
+            .exit(1)
+            .json();
+        let share = plain["published"]["front.in_front"]["value"].as_f64().unwrap_or(0.0);
+        let adaptive = flight.published("front.in_front");
+        assert!(adaptive > 1.5 * share && share < 15.0, "{adaptive} % against {share} %");
+    }
+}
+
 /// SPI 7.7.
 #[test]
 fn a_vehicle_whose_position_drifts_surfaces_for_fixes() {

@@ -181,7 +181,10 @@ fn a_time_limit_may_end_an_element_anywhere_on_it() {
     let _ = ready(&zone, &["--plan", &plan("")]);
     let _ = ready(&zone, &["--plan", &plan("timeout_s = 3600")]);
     let said = not_ready(&zone, &["--plan", &plan("timeout_s = 300")]);
-    has(&said, &["plan element 2: ", "wherever a time limit", "'reef'"]);
+    has(
+        &said,
+        &["plan element 2: ", "from a place where a time limit", "'reef'"],
+    );
 }
 
 #[test]
@@ -280,6 +283,30 @@ fn a_keep_in_zone_that_nobody_can_reach_is_told() {
     has(
         &not_ready(&half("west", eastern(), -70.69, -70.6699), &[]),
         &["keep-in zone 'island': ", "keep-out zones", "no room"],
+    );
+}
+
+#[test]
+fn each_zone_is_told_with_its_size_and_place() {
+    // A zone to keep out of that was meant to be a thousand times as large.
+    let wreck = r#"]]]}},
+    {"type": "Feature", "properties": {"name": "wreck", "kind": "keep-out", "margin_m": 1, "radius_m": 0.5},
+        "geometry": {"type": "Point", "coordinates": [-70.7, 42.352]}}
+  ]"#;
+    let mission = Mission::steady().edit("fence.geojson", "]]]}}\n  ]", wreck);
+    let said = ready(&mission, &[]);
+    let zone = |name: &str| {
+        said.lines()
+            .find(|line| line.trim_start().starts_with(name))
+            .unwrap_or_default()
+    };
+    assert!(
+        zone("box: keep-in").contains(" m high around latitude 42.35000 longitude -70.70000"),
+        "{said}"
+    );
+    assert!(
+        zone("wreck: keep-out").contains("1 m wide and 1 m high around latitude 42.35200 longitude -70.70000"),
+        "{said}"
     );
 }
 

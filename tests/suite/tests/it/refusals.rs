@@ -170,8 +170,27 @@ fn bad_flags_are_refused() {
     }
     for seed in ["-1", "seven", "18446744073709551616"] {
         let finished = sim(&[&format!("--seed={seed}")]).exit(2);
-        names(&finished.stderr, &["--seed", seed]);
+        names(
+            &finished.stderr,
+            &["--seed", seed, "expected one whole number from 0 to"],
+        );
+        let apart = sim(&["--seed", seed]).exit(2);
+        names(&apart.stderr, &["--seed", seed, "expected one whole number from 0 to"]);
     }
+}
+
+#[test]
+fn a_file_in_place_of_the_mission_s_folder_is_told_of() {
+    let mission = Mission::steady();
+    let file = mission.path().join("mission.toml");
+    let line = Backseat::new().arg("sim").arg(&file).run().refusal();
+    names(
+        &line,
+        &[
+            "mission.toml: this is a file: give the mission's folder, ",
+            &mission.path().display().to_string(),
+        ],
+    );
 }
 
 #[test]

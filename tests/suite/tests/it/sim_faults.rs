@@ -108,6 +108,28 @@ fn a_file_of_faults_replaces_the_worlds_and_gives_the_same_bytes_again() {
 }
 
 #[test]
+fn the_report_names_each_fault_and_those_that_never_began() {
+    let faults = "[[faults.fault]]\nkind = \"delay\"\nat_s = 80\nfor_s = 20\ndelay_s = 0.1\n\
+                  [[faults.fault]]\nkind = \"mission_abort\"\nat_s = 1000000\n\
+                  [[faults.fault]]\nkind = \"link_cut\"\nat_s = 40\nfor_s = 5\n";
+    let run = Backseat::new().arg("sim").mission(&world(faults)).run();
+    let lines: Vec<&str> = run
+        .stdout
+        .lines()
+        .filter(|line| line.starts_with("  fault at "))
+        .collect();
+    assert!(
+        lines.len() == 3
+            && lines[0].starts_with("  fault at 40 s for 5 s: ")
+            && lines[1].starts_with("  fault at 80 s for 20 s: ")
+            && lines[2].starts_with("  fault at 1000000 s: ")
+            && lines[2].ends_with("; it never began, because the run ended before"),
+        "{lines:?}"
+    );
+    assert!(!lines[1].contains("never"), "{lines:?}");
+}
+
+#[test]
 fn a_wrong_file_of_faults_is_refused_with_file_number_and_key() {
     let mission = Mission::steady();
     let path = mission.beside("faults.toml");

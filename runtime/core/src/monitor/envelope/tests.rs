@@ -23,9 +23,6 @@ const CLOCKS: Clocks = Clocks {
     utc: START,
     apart: Some(Duration::from_secs(3)),
 };
-/// Half the width of the box of the fence, metres, to within a metre.
-const HALF_M: f64 = 1500.0;
-
 fn at(east_m: f64, north_m: f64) -> EastNorth {
     EastNorth::new(east_m, north_m)
 }

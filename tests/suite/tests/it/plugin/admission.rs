@@ -188,7 +188,7 @@ fn a_good_plugin_has_a_report_without_objections() {
         report["sha256"].as_str().unwrap(),
         "WASI: none",
         "480 made",
-        "grants: used modify; not used message; lacked none",
+        "grants: used: modify; given and not used: message; asked for and not given: none",
         "no fault, no log line dropped, no violation of the safety rules",
         "remark: it never used the grant message",
     ] {

@@ -55,6 +55,24 @@ fn at_the_greatest_speed_it_waits_for_as_many_as_it_is_told() {
 }
 
 #[test]
+fn at_the_greatest_speed_the_first_words_of_a_client_arrive_in_time() {
+    let mission = Mission::steady();
+    let flags = ["--speed", "max", "--duration", "2000"];
+    let vehicle = Vehicle::start_with(&mission, "127.0.0.1:0", &flags);
+    let mut client = Client::connect(&vehicle.address);
+    client.hears("$BFVER,080000.000");
+    // One after the other, as a program that thinks between them.
+    for name in ["ACK", "CTL", "NVG"] {
+        settle(Duration::from_millis(100));
+        client.say(&format!("$BPLOG,{name},ON"));
+    }
+    client.hears("$BFACK,080000.000,LOG");
+    client.hears("$BFNVG,080000.1");
+    // It says who has control when its leg begins, and the client hears that.
+    client.hears("$BFCTL,0800");
+}
+
+#[test]
 fn a_world_is_enough_and_control_is_the_whole_mission_s_without_an_edit() {
     let mission =
         Mission::steady()

@@ -1,3 +1,4 @@
+use backseat_units::math::{sin, tan};
 use proptest::prelude::*;
 
 use super::*;
@@ -113,7 +114,7 @@ fn an_approach_leads_in_the_directions_between_its_two_points_and_a_bit_more() {
     is(approach(begun, 15.0, [north_east, south_east]), 15.0, 150.0);
     // The nearest point is an end: 50 m away, and 100 m.
     let (close, far) = (at(40.0, 60.0), at(70.0, 100.0));
-    let bearing_deg = (0.6f64).asin().to_degrees();
+    let bearing_deg = asin(0.6).to_degrees();
     is(approach(begun, 25.0, [close, far]), bearing_deg - 30.0, 60.0);
     is(approach(begun, 25.0, [far, close]), bearing_deg - 30.0, 60.0);
     // Across north.
@@ -127,8 +128,8 @@ fn an_approach_leads_in_the_directions_between_its_two_points_and_a_bit_more() {
     // So near that it may lead anywhere.
     is(
         approach(begun, 20.9, [north_east, south_east]),
-        90.0 - 45.0 - (20.9f64 / 30.0).asin().to_degrees(),
-        90.0 + 2.0 * (20.9f64 / 30.0).asin().to_degrees(),
+        90.0 - 45.0 - asin(20.9 / 30.0).to_degrees(),
+        90.0 + 2.0 * asin(20.9 / 30.0).to_degrees(),
     );
     is(approach(begun, 21.1, [north_east, south_east]), 0.0, 360.0);
     is(approach(begun, 1.0, [begun, begun]), 0.0, 360.0);
@@ -141,8 +142,8 @@ fn the_solids_onto_an_approach_are_no_larger_than_they_must_be() {
     let (begun, to) = (
         at(0.0, 0.0),
         [
-            at(100.0, 100.0 * (9.0f64).to_radians().tan()),
-            at(100.0, -100.0 * (9.0f64).to_radians().tan()),
+            at(100.0, 100.0 * tan((9.0f64).to_radians())),
+            at(100.0, -100.0 * tan((9.0f64).to_radians())),
         ],
     );
     let approach = Approach {
@@ -153,9 +154,9 @@ fn the_solids_onto_an_approach_are_no_larger_than_they_must_be() {
     let solids = approach.onto(&[at(-100.0, 0.0), at(-100.0, 0.0)]);
     // The feet on the two lines are at 100 cos(9) along them, moved outwards by 1/cos(18) from the middle, (-50, 0).
     let foot = |deg: f64| {
-        let side = EastNorth::new(deg.to_radians().sin(), deg.to_radians().cos());
+        let side = EastNorth::new(sin(deg.to_radians()), cos(deg.to_radians()));
         let middle = at(-50.0, 0.0);
-        middle + (side * -(100.0 * (9.0f64).to_radians().cos()) - middle) * (1.0 / (18.0f64).to_radians().cos())
+        middle + (side * -(100.0 * cos((9.0f64).to_radians())) - middle) * (1.0 / cos((18.0f64).to_radians()))
     };
     let expected = Shape::convex_hulls(&[begun, to[0], to[1], at(-100.0, 0.0), foot(81.0), foot(99.0)]);
     for point in [

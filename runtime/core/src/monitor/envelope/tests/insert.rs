@@ -23,10 +23,6 @@ fn judge(envelope: &Envelope, insert: &Insert, lock: Option<f64>, route: &Route)
     envelope.judge_insert(insert, depth(20.0), lock, route, CLOCKS)
 }
 
-fn led_in() -> EastNorth {
-    at(170.0, 300.0)
-}
-
 fn led_out() -> EastNorth {
     at(630.0, 300.0)
 }

@@ -1,5 +1,7 @@
 //! Boxes, and how far a hovering vehicle strays.
 
+use backseat_units::math::hypot;
+
 use super::*;
 use crate::monitor::envelope::boxes::span;
 use crate::monitor::limits::station::{BottomBox, HullBox, StationLimits};
@@ -212,7 +214,7 @@ fn a_move_over_the_bottom_keeps_its_altitude_where_the_seabed_may_rise() {
     let mut known = Known::new();
     let stray_m = 0.6 + 0.3 * RUNS_ON_S;
     // From (-7, 3) to (13, 18): the seabed may be 0.1 of the diagonal of the widened span higher or lower.
-    let rise_m = 0.1 * (20.0 + 2.0 * stray_m).hypot(15.0 + 2.0 * stray_m);
+    let rise_m = 0.1 * hypot(20.0 + 2.0 * stray_m, 15.0 + 2.0 * stray_m);
     let open = hovering(|_| ());
     let deep = |metres| to_bottom(13.0, 18.0, Vertical::Depth(depth(metres)));
     // The altitude is the least clearance here.

@@ -31,7 +31,7 @@ mod shapes;
 mod timers;
 
 pub use contour::ContourFollower;
-pub use gaussian_process::{Estimate, FieldMap, GaussianProcess, Kernel};
+pub use gaussian_process::{Estimate, FieldMap, GaussianProcess, Kernel, Known};
 pub use gradient::{PlaneFit, Slope};
 pub use grid::CoverageGrid;
 pub use inserts::{Circle, Flight, InsertQueue, Leg, QueueSettings, Standing, Task, Turn};

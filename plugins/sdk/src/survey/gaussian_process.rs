@@ -45,9 +45,9 @@ pub struct Estimate {
 /// A map of a field from measurements, with what it does not know: Gaussian-process regression (Rasmussen and Williams
 /// 2006, algorithm 2.1).
 ///
-/// [`GaussianProcess::add`] merges measurements that lie close together, so that a long track has few points. A fit of 100
-/// points takes about 2 million units of fuel, and grows with the cube of their number; an estimate about 30 thousand,
-/// and grows with the square. So fit rarely, and estimate at few places a step. The plugin `informative` does so.
+/// [`GaussianProcess::add`] merges measurements that lie close together, so that a long track has few points. The fuel of
+/// a fit grows with the cube of their number, that of an estimate with the square. So fit rarely, and estimate at few places
+/// a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GaussianProcess {
     kernel: Kernel,
@@ -124,8 +124,6 @@ pub struct FieldMap {
     kernel: Kernel,
     mean: f64,
     places: Vec<EastNorth>,
-    /// The variance of each measurement's error.
-    errors: Vec<f64>,
     /// The inverse of the measurements' covariance, times what they differ from the mean.
     weights: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
@@ -137,23 +135,24 @@ impl FieldMap {
         if count == 0 {
             return None;
         }
-        let mean = (0..count).map(|index| measured(index).0).sum::<f64>() / count as f64;
         let noise = kernel.noise * kernel.noise;
         let errors: Vec<f64> = (0..count).map(|index| noise / measured(index).1).collect();
         let factor = factor(&kernel, &places, &errors)?;
-        let off = DVector::from_fn(count, |row, _| measured(row).0 - mean);
-        let weights = factor.solve(&off);
+        // The mean by generalised least squares: many measurements close together count little more than one of them.
+        let values = DVector::from_fn(count, |row, _| measured(row).0);
+        let ones = factor.solve(&DVector::from_element(count, 1.0));
+        let mean = ones.dot(&values) / ones.sum();
+        let weights = factor.solve(&values.add_scalar(-mean));
         Some(Self {
             kernel,
             mean,
             places,
-            errors,
             weights,
             factor,
         })
     }
 
-    /// The mean of the measurements, which is expected far from all of them.
+    /// The mean of the field, which is expected far from all measurements (Rasmussen and Williams 2006, section 2.7).
     #[must_use]
     pub const fn mean(&self) -> f64 {
         self.mean
@@ -171,38 +170,82 @@ impl FieldMap {
     /// What is known about a place.
     #[must_use]
     pub fn at(&self, place: EastNorth) -> Estimate {
+        let (estimate, _) = self.project(place);
+        estimate
+    }
+
+    /// What is known about some places, kept so that many plans can be judged by them.
+    #[must_use]
+    pub fn know(&self, places: &[EastNorth]) -> Known {
+        let (estimates, projections) = places.iter().map(|place| self.project(*place)).unzip();
+        Known {
+            places: places.to_vec(),
+            estimates,
+            projections,
+        }
+    }
+
+    /// The deviations that would be left at the known places if these places were measured too: no value need be known for
+    /// that. So a plan of several lines can be judged before any of them is flown. `None` if two of the places are one and
+    /// their measurements have no error.
+    #[must_use]
+    pub fn deviations_after(&self, known: &Known, planned: &[EastNorth]) -> Option<Vec<f64>> {
+        let noise = self.kernel.noise * self.kernel.noise;
+        let own: Vec<DVector<f64>> = planned.iter().map(|place| self.project(*place).1).collect();
+        // The covariance that the measurements leave between two places.
+        let left = |a: (EastNorth, &DVector<f64>), b: (EastNorth, &DVector<f64>)| {
+            self.kernel.covariance(a.0, b.0) - a.1.dot(b.1)
+        };
+        let covariance = DMatrix::from_fn(planned.len(), planned.len(), |row, column| {
+            let error = if row == column { noise } else { 0.0 };
+            left((planned[row], &own[row]), (planned[column], &own[column])) + error
+        });
+        let factor = Cholesky::new(covariance)?;
+        let each = known.places.iter().zip(&known.projections).zip(&known.estimates);
+        let after = each.map(|((place, projection), before)| {
+            let with = DVector::from_fn(planned.len(), |row, _| {
+                left((planned[row], &own[row]), (*place, projection))
+            });
+            let explained = factor.l_dirty().solve_lower_triangular(&with);
+            let variance = before.deviation * before.deviation - explained.map_or(0.0, |part| part.norm_squared());
+            variance.max(0.0).sqrt()
+        });
+        Some(after.collect())
+    }
+
+    /// The estimate at a place, and what explains it: the covariance with the measurements, over their factor.
+    fn project(&self, place: EastNorth) -> (Estimate, DVector<f64>) {
         let near = DVector::from_fn(self.places.len(), |row, _| {
             self.kernel.covariance(self.places[row], place)
         });
         let mean = self.mean + near.dot(&self.weights);
-        let known = self.factor.l_dirty().solve_lower_triangular(&near);
-        let explained = known.map_or(0.0, |known| known.norm_squared());
-        let variance = self.kernel.deviation * self.kernel.deviation - explained;
-        Estimate {
+        let projection = self
+            .factor
+            .l_dirty()
+            .solve_lower_triangular(&near)
+            .unwrap_or_else(|| DVector::zeros(self.places.len()));
+        let variance = self.kernel.deviation * self.kernel.deviation - projection.norm_squared();
+        let estimate = Estimate {
             mean,
             deviation: variance.max(0.0).sqrt(),
-        }
+        };
+        (estimate, projection)
     }
+}
 
-    /// The map as it would be if these places were measured too, with the values that are expected there: the means stay
-    /// the same, and the deviations fall. So a plan of several lines can be judged before any of them is flown.
+/// What a map knows about some places.
+#[derive(Clone, Debug)]
+pub struct Known {
+    places: Vec<EastNorth>,
+    estimates: Vec<Estimate>,
+    projections: Vec<DVector<f64>>,
+}
+
+impl Known {
+    /// What is known about each place, in the order in which they were given.
     #[must_use]
-    pub fn after_measuring(&self, places: &[EastNorth]) -> Option<Self> {
-        let before = self.places.len();
-        let all: Vec<EastNorth> = self.places.iter().chain(places).copied().collect();
-        let mut errors = self.errors.clone();
-        errors.resize(all.len(), self.kernel.noise * self.kernel.noise);
-        let factor = factor(&self.kernel, &all, &errors)?;
-        // Measured values equal to the means leave the weights of the old places as they are, and give the new ones 0.
-        let weight = |row| if row < before { self.weights[row] } else { 0.0 };
-        Some(Self {
-            kernel: self.kernel,
-            mean: self.mean,
-            weights: DVector::from_fn(all.len(), |row, _| weight(row)),
-            places: all,
-            errors,
-            factor,
-        })
+    pub fn estimates(&self) -> &[Estimate] {
+        &self.estimates
     }
 }
 
@@ -253,7 +296,7 @@ mod tests {
         process.add(at(0.0, 0.0), 1.0);
         process.add(at(100.0, 0.0), 3.0);
         let place = at(30.0, 40.0);
-        // Around the mean 2: k is 4 exp(-1/2), with 4.01 on the diagonal.
+        // Around the mean 2, because both weigh the same: k is 4 exp(-1/2), with 4.01 on the diagonal.
         let k = 4.0 * (-0.5f64).exp();
         let determinant = 4.01 * 4.01 - k * k;
         let (first, second) = ((-4.01 - k) / determinant, (k + 4.01) / determinant);
@@ -285,18 +328,30 @@ mod tests {
     }
 
     #[test]
-    fn a_plan_makes_the_map_surer_and_changes_no_mean() {
+    fn a_plan_leaves_the_deviations_that_its_measurements_would_leave() {
         let mut process = process();
-        process.add(at(0.0, 0.0), 1.0);
-        process.add(at(100.0, 0.0), 3.0);
+        for (east, north, value) in [(0.0, 0.0, 1.0), (100.0, 0.0, 3.0), (0.0, 80.0, 2.0)] {
+            process.add(at(east, north), value);
+        }
         let map = process.fit().unwrap();
-        let planned = [at(300.0, 0.0), at(320.0, 0.0)];
-        let after = map.after_measuring(&planned).unwrap();
-        let place = at(280.0, 10.0);
-        assert!((after.at(place).mean - map.at(place).mean).abs() < 1e-12);
-        assert!(after.at(place).deviation < 0.3 * map.at(place).deviation);
-        let far = at(-300.0, 0.0);
-        assert!((after.at(far).deviation - map.at(far).deviation).abs() < 1e-3);
+        let places = [at(280.0, 10.0), at(50.0, 20.0), at(-300.0, 0.0)];
+        let known = map.know(&places);
+        let planned = [at(300.0, 0.0), at(320.0, 0.0), at(60.0, 60.0)];
+        let after = map.deviations_after(&known, &planned).unwrap();
+        for place in planned {
+            process.add(place, 7.0);
+        }
+        let measured = process.fit().unwrap();
+        for ((place, after), before) in places.iter().zip(after).zip(known.estimates()) {
+            assert!(
+                (after - measured.at(*place).deviation).abs() < 1e-9,
+                "{after} at {place:?}"
+            );
+            assert!(after <= before.deviation);
+            assert_eq!(map.at(*place), *before);
+        }
+        let nothing = map.deviations_after(&known, &[]).unwrap();
+        assert!((nothing[0] - known.estimates()[0].deviation).abs() < 1e-12);
     }
 
     #[test]

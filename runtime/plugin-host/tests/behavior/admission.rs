@@ -89,7 +89,7 @@ fn other_imports_are_refused_by_name() {
 fn a_component_that_is_no_plugin_is_refused() {
     assert_eq!(
         refusal(&wat("(component)")),
-        "odd: does not export describe, init, step, snapshot, restore, expected describe, init, step, snapshot and restore"
+        "odd: does not export describe, init, step, snapshot, restore: expected a plugin (in Rust, `backseat_sdk::export!(TYPE)` once)"
     );
     let without_step = UNTYPED.replace(r#"(export "step" (func $f))"#, "");
     assert_eq!(

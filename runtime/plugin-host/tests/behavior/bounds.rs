@@ -52,7 +52,10 @@ fn more_memory_takes_more_fuel_before_it_is_refused() {
     let ended = fault(64 << 20);
     assert_eq!(
         (ended.kind, ended.text.as_str()),
-        (FaultKind::OutOfFuel, "used all its fuel: 100000 units")
+        (
+            FaultKind::OutOfFuel,
+            "used all its fuel: 100000 units (plugin.budget in mission.toml)"
+        )
     );
 }
 
@@ -91,7 +94,7 @@ fn init_has_a_budget_of_its_own() {
         .unwrap();
     assert_eq!(
         error.to_string(),
-        "faulty: cannot be started: used all its fuel: 1000 units"
+        "faulty: cannot be started: used all its fuel: 1000 units (plugin.budget in mission.toml)"
     );
 }
 

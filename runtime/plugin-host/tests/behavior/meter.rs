@@ -76,5 +76,8 @@ fn a_plugin_is_described_without_its_configuration() {
         ..Budget::default()
     };
     let refused = components().template.describe(&poor).unwrap_err().to_string();
-    assert_eq!(refused, "template: cannot be started: used all its fuel: 10 units");
+    assert_eq!(
+        refused,
+        "template: cannot be started: used all its fuel: 10 units (plugin.budget in mission.toml)"
+    );
 }

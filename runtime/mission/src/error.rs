@@ -18,7 +18,7 @@ pub enum MissionError {
         path: PathBuf,
     },
     /// A file was given in place of a folder.
-    #[error("{}: this is a file: give the mission's folder{}", path.display(), of_folder(folder))]
+    #[error("{}: expected a folder with mission.toml and a fence, and this is a file{}", path.display(), of_folder(folder))]
     NoFolder {
         /// The path that was given.
         path: PathBuf,
@@ -66,6 +66,6 @@ pub enum MissionError {
 fn of_folder(folder: &Path) -> String {
     match folder.to_str() {
         None | Some("") => String::new(),
-        Some(folder) => format!(", {folder}"),
+        Some(folder) => format!(": give {folder}"),
     }
 }

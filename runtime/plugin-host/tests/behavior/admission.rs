@@ -94,7 +94,7 @@ fn a_component_that_is_no_plugin_is_refused() {
     let without_step = UNTYPED.replace(r#"(export "step" (func $f))"#, "");
     assert_eq!(
         refusal(&wat(&without_step)),
-        "odd: does not export step, expected describe, init, step, snapshot and restore"
+        "odd: does not export step: expected a plugin (in Rust, `backseat_sdk::export!(TYPE)` once)"
     );
 }
 

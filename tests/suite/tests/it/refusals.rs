@@ -187,7 +187,7 @@ fn a_file_in_place_of_the_mission_s_folder_is_told_of() {
     names(
         &line,
         &[
-            "mission.toml: this is a file: give the mission's folder, ",
+            "mission.toml: expected a folder with mission.toml and a fence, and this is a file: give ",
             &mission.path().display().to_string(),
         ],
     );

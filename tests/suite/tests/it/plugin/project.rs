@@ -70,8 +70,11 @@ fn a_new_plugin_passes_its_tests_and_flies_and_one_that_is_wrong_does_not() {
             .map(|package| package.lines().skip(1).take(2).collect::<Vec<_>>().join(" "))
             .collect()
     };
-    let used = fs::read_to_string(folder.join("Cargo.lock")).unwrap();
-    assert_eq!(packages(&used), packages(&lock));
+    let used = packages(&fs::read_to_string(folder.join("Cargo.lock")).unwrap());
+    let given = packages(&lock);
+    let new: Vec<&String> = used.iter().filter(|package| !given.contains(package)).collect();
+    assert_eq!(new, [""; 0], "of {} packages", used.len());
+    assert!(used.len() > 20, "{used:?}");
 
     let inspected = run(&folder, &["inspect", "--json"]).exit(0).json();
     assert_eq!(inspected["file"], "drift.wasm");
@@ -248,9 +251,21 @@ fn a_missing_toolchain_is_one_line_that_says_what_to_run() {
 
     let line = run(place.path(), &["build"]).run().refusal();
     assert!(
-        line.contains("no Cargo.toml here") && line.contains("backseat plugin new"),
+        line.contains("no Cargo.toml or pyproject.toml here") && line.contains("backseat plugin new"),
         "{line}"
     );
+    // The tests of `plugins/python` build a plugin in Python; here is none that could.
+    let made = run(place.path(), &["new", "snake", "--lang", "python"]).run().exit(0);
+    assert!(made.stdout.contains("snake/plugin.py"), "{made}");
+    for command in ["build", "test"] {
+        let without = run(&place.path().join("snake"), &[command]).env("PYTHON", "/nowhere/python");
+        let line = without.run().refusal();
+        assert!(
+            line.contains("/nowhere/python does not start")
+                && line.contains("install Python 3.11 or later, or set PYTHON"),
+            "{line}"
+        );
+    }
     for command in ["inspect", "check"] {
         let line = run(place.path(), &[command, "drift"]).run().refusal();
         assert_eq!(

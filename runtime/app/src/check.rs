@@ -59,7 +59,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         say!("{}", mission.resolved.trim_end());
         return Ok(true);
     }
-    let front_seat = front_seat(&mission, arguments.plan.as_deref())?;
+    let front_seat = front_seat(&mission, arguments.plan.as_deref(), &arguments.mission.world_sets())?;
     say!(
         "{} (hash of its files, without world.toml: {})",
         mission.name,

@@ -3,6 +3,8 @@ use std::path::PathBuf;
 use backseat_mission::Layers;
 use clap::{Args, Parser, Subcommand};
 
+#[cfg(feature = "simulation")]
+use crate::campaign::Campaign;
 use crate::check::Check;
 use crate::explain::Explain;
 #[cfg(feature = "simulation")]
@@ -34,6 +36,18 @@ pub(crate) enum Command {
     /// Simulate a mission: runtime, plugins and mock vehicle on a virtual clock
     #[cfg(feature = "simulation")]
     Sim(Sim),
+    /// Simulate a mission by the thousand: over seeds, parameters and variants, in shards on a cluster
+    ///
+    /// `backseat campaign CAMPAIGN.toml --out DIR` flies every run of a campaign's file on all cores, and `backseat campaign
+    /// MISSION --seeds 1..1000 --out DIR` a mission with many seeds. Ctrl-C stops it, and the same command goes on.
+    ///
+    /// DIR has runs.parquet (a row for each run), timing.parquet, manifest.json and report.html then. runs.parquet has the
+    /// same bytes however it was made: at once, in pieces, or in shards on several computers.
+    ///
+    /// Exit code: 0 if every run met its expectations, 1 if one did not or could not be flown, 2 if the campaign cannot be
+    /// flown, 75 if it was stopped before its end.
+    #[cfg(feature = "simulation")]
+    Campaign(Campaign),
     /// Run a mission on a vehicle over TCP; without --arm nothing that steers is sent
     Run(Run),
     /// Fly a mission in real time, or faster: `mvc` and `run --arm` in one, over TCP
@@ -122,7 +136,8 @@ pub(crate) struct MissionArguments {
     /// folder BACKSEAT_CACHE [default: backseat in the user's cache folder]
     #[arg(long)]
     pub(crate) no_cache: bool,
-    /// Set a key of mission.toml, such as limits.speed_max_mps=1.8; overrides the file and the environment
+    /// Set a key of mission.toml, such as limits.speed_max_mps=1.8; overrides the file and the environment. In a
+    /// simulation also a key of world.toml, such as world.current.speed_mps=0.3
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
 }
@@ -130,10 +145,19 @@ pub(crate) struct MissionArguments {
 impl MissionArguments {
     pub(crate) fn layers(&self) -> Layers {
         Layers {
-            set: self.set.clone(),
+            set: self.set.iter().filter(|set| !is_of_world(set)).cloned().collect(),
             environment: true,
         }
     }
+
+    /// The keys of `world.toml` that are set.
+    pub(crate) fn world_sets(&self) -> Vec<String> {
+        self.set.iter().filter(|set| is_of_world(set)).cloned().collect()
+    }
+}
+
+fn is_of_world(set: &str) -> bool {
+    set.trim_start().starts_with("world.")
 }
 
 /// The argument of the commands that need only the world of a mission.

@@ -96,7 +96,7 @@ impl Drop for Passing {
 
 pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
     let mut mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
-    let mut scenario = Scenario::load(&mission)?;
+    let mut scenario = Scenario::load_with(&mission, &arguments.mission.world_sets())?;
     // The runtime's address is none of those to which the world gives roles.
     scenario.world.spi.roles.clear();
     let (vehicle, faults) = arguments.vehicle.vehicle(&mut scenario)?;

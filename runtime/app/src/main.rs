@@ -5,6 +5,8 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod cache;
+#[cfg(feature = "simulation")]
+mod campaign;
 mod check;
 mod cli;
 mod clock;
@@ -58,7 +60,7 @@ use std::panic::UnwindSafe;
 use std::process::ExitCode;
 
 use backseat_mission::with_suggestion;
-use backseat_reference::{PANICKED, UNMET, UNUSABLE};
+use backseat_reference::{MET, PANICKED, UNMET, UNUSABLE};
 use clap::Parser;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
@@ -98,6 +100,8 @@ fn program() -> ExitCode {
     let result = match &cli.command {
         #[cfg(feature = "simulation")]
         Command::Sim(arguments) => sim::sim(arguments),
+        #[cfg(feature = "simulation")]
+        Command::Campaign(arguments) => return ended(campaign::campaign(arguments)),
         Command::Run(arguments) => run::run(arguments),
         #[cfg(feature = "simulation")]
         Command::Fly(arguments) => fly::fly(arguments),
@@ -114,9 +118,12 @@ fn program() -> ExitCode {
         Command::S7k(command) => s7k::s7k(command),
         Command::Explain(arguments) => explain::explain(arguments),
     };
+    ended(result.map(|met| if met { MET } else { UNMET }))
+}
+
+fn ended(result: anyhow::Result<u8>) -> ExitCode {
     match result {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(UNMET),
+        Ok(code) => ExitCode::from(code),
         Err(error) => {
             // One line: what, where, what to do. Plugins have their own readers of their settings.
             terminal::tell(&format!("error: {}", with_suggestion(&one_line(&error))));

@@ -67,6 +67,9 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         let _within = runtime.enter();
         Signals::new()?
     };
+    if let Some(set) = arguments.mission.world_sets().first() {
+        bail!("--set {set}: only simulations read world.toml: leave it out");
+    }
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
     let address = match &arguments.connect {
         Some(address) => host_and_port(address, "--connect")?,

@@ -4,10 +4,11 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use backseat_campaign::{DrawnFaults, Interference};
 use backseat_mission::Mission;
 use backseat_mvc::FaultPlan;
 use backseat_plc::{FileFailure, PlcConfig};
-use backseat_plugin_loader::load_plugins;
+use backseat_plugin_loader::{Components, LoadError, Loaded};
 use backseat_recorder::{Header, Rate, Recorder, read};
 use backseat_scenario::{Scenario, read_faults, read_script};
 use backseat_sim::{Report, Simulation, survey_map};
@@ -38,6 +39,9 @@ pub(crate) struct Sim {
     /// Inject the faults in this file, instead of the [faults] of world.toml
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) faults: Option<PathBuf>,
+    /// Draw the faults from the seed, as the hunt draws them, instead: so many, from then until then, seconds
+    #[arg(long, value_name = "3..9@30..800", conflicts_with = "faults")]
+    pub(crate) draw_faults: Option<DrawnFaults>,
     /// Follow the rules in this file, such as: 3 s after the first BPRMB take control
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) script: Option<PathBuf>,
@@ -83,7 +87,7 @@ impl Drop for Passing {
 
 pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
-    let scenario = Scenario::load(&mission)?;
+    let scenario = Scenario::load_with(&mission, &arguments.mission.world_sets())?;
     if arguments.s7k.is_some() {
         controller_of(&scenario)?;
     }
@@ -91,7 +95,8 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let script = arguments.script.as_deref().map(read_script).transpose()?;
     let loading = Clock::start();
     let host = host(&arguments.mission)?;
-    let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
+    let components = Components::load(&host, &mission, arguments.mission.plugins.as_deref())?;
+    let loaded = components.start(&mission)?;
     let load_seconds = loading.elapsed().as_secs_f64();
 
     // The plugins' lines are read from the log.
@@ -137,7 +142,8 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     for line in &beyond {
         warn!("{line}");
     }
-    let faults = match faults {
+    let drawn = arguments.draw_faults.map(|faults| faults.draw(arguments.seed));
+    let faults = match faults.or_else(|| drawn.as_ref().map(|drawn| drawn.plan().clone())) {
         Some(plan) => {
             simulation.set_faults(plan.clone());
             plan
@@ -153,12 +159,17 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         Some(folder) => keep_files(&mut simulation, &scenario, folder)?,
         None => FailedFiles::default(),
     };
+    let mut flight = Flight {
+        simulation,
+        drawn,
+        reload: Box::new(|| components.start(&mission)),
+    };
     let progress = progress_bar(arguments.json);
     match arguments.speed {
-        Speed::Max => simulation.run(|simulation| show(&progress, simulation, &flying))?,
-        Speed::Times(times) => paced(&mut simulation, times, &progress, &flying)?,
+        Speed::Max => paced(&mut flight, None, &progress, &flying)?,
+        Speed::Times(times) => paced(&mut flight, Some(times), &progress, &flying)?,
     }
-    let (mut report, trace, mvc) = simulation.finish()?;
+    let (mut report, trace, mvc) = flight.simulation.finish()?;
     report.wall_seconds = flying.elapsed().as_secs_f64();
     report.load_seconds = load_seconds;
     progress.finish_and_clear();
@@ -240,17 +251,38 @@ fn keep_files(simulation: &mut Simulation, scenario: &Scenario, folder: &Path) -
     Ok(failed)
 }
 
-/// Runs no faster than a multiple of real time.
-fn paced(simulation: &mut Simulation, times: f64, progress: &ProgressBar, clock: &Clock) -> Result<()> {
+/// A simulation, with what is done to the runtime while it flies.
+struct Flight<'a> {
+    simulation: Simulation,
+    drawn: Option<Interference>,
+    /// Starts the plugins of a new process.
+    reload: Box<dyn Fn() -> Result<Loaded, LoadError> + 'a>,
+}
+
+impl Flight<'_> {
+    fn advance(&mut self) -> Result<bool> {
+        match &mut self.drawn {
+            Some(drawn) => drawn.advance(&mut self.simulation, || -> Result<_> { Ok((self.reload)()?) }),
+            None => Ok(self.simulation.advance()?),
+        }
+    }
+}
+
+/// Runs to the end, no faster than a multiple of real time if there is one.
+fn paced(flight: &mut Flight<'_>, times: Option<f64>, progress: &ProgressBar, clock: &Clock) -> Result<()> {
+    let show_every = Duration::from_secs_f64(times.unwrap_or(60.0).min(60.0));
     let mut next_show = Timestamp::ZERO;
-    while simulation.advance()? {
-        let due = Duration::from_secs_f64(simulation.now().as_secs_f64() / times);
-        let ahead = due.saturating_sub(clock.elapsed());
-        if ahead > Duration::from_millis(5) {
-            pause(ahead);
+    while flight.advance()? {
+        let simulation = &flight.simulation;
+        if let Some(times) = times {
+            let due = Duration::from_secs_f64(simulation.now().as_secs_f64() / times);
+            let ahead = due.saturating_sub(clock.elapsed());
+            if ahead > Duration::from_millis(5) {
+                pause(ahead);
+            }
         }
         if simulation.now() >= next_show {
-            next_show = simulation.now() + Duration::from_secs_f64(times.min(60.0));
+            next_show = simulation.now() + show_every;
             show(progress, simulation, clock);
         }
     }

@@ -13,27 +13,36 @@ pub const MET: u8 = 0;
 pub const UNMET: u8 = 1;
 /// The command could not do its work.
 pub const UNUSABLE: u8 = 2;
+/// Stopped before its end, by a signal or by its own time: EX_TEMPFAIL of `sysexits.h`.
+pub const STOPPED: u8 = 75;
 /// A fault of the program itself: the code that Rust gives a panic.
 pub const PANICKED: u8 = 101;
 
 /// The exit codes of every command, in ascending order.
-pub const EXITS: [Exit; 4] = [
+pub const EXITS: [Exit; 5] = [
     Exit {
         code: MET,
         meaning: "Done. `sim`: every expectation held. `check`: ready. `fly`, `log judge`: no rule broke. `replay`: all \
                   is identical. `s7k verify`: no fault. `plugin test`: tests and flights passed. `plugin check`: no \
-                  objection. `run`: ended in order, also by a signal.",
+                  objection. `run`: ended in order, also by a signal. `campaign`: every run met its expectations; with \
+                  `--shard`, every run of the shard was flown.",
     },
     Exit {
         code: UNMET,
         meaning: "Done, and the answer is no. `sim`: an expectation did not hold. `check`: not ready. `fly`, `log judge`: \
                   a rule broke. `replay`: something differs. `s7k verify`: a fault in the recording. `plugin test`: a \
-                  test or a flight failed. `plugin inspect`: not a plugin. `plugin check`: an objection.",
+                  test or a flight failed. `plugin inspect`: not a plugin. `plugin check`: an objection. \
+                  `campaign`: a run missed an expectation, broke a rule or could not be flown.",
     },
     Exit {
         code: UNUSABLE,
         meaning: "Not done: a wrong option, a file that cannot be read, a device that fails. One line on standard error \
                   says what, where and what to do.",
+    },
+    Exit {
+        code: STOPPED,
+        meaning: "`campaign`: stopped before its end by Ctrl-C, SIGTERM or `--stop-after`. What was flown is kept; the same \
+                  command goes on.",
     },
     Exit {
         code: PANICKED,

@@ -13,7 +13,7 @@ mod reference;
 mod schema;
 
 pub use entry::{Choice, Entry, Kind};
-pub use exit::{EXITS, Exit, MET, PANICKED, UNMET, UNUSABLE};
+pub use exit::{EXITS, Exit, MET, PANICKED, STOPPED, UNMET, UNUSABLE};
 pub use find::{Found, find};
 pub use page::{describe, exit_page, page};
 pub use reference::{REFERENCES, Reference};

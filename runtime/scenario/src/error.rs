@@ -14,6 +14,14 @@ pub enum ScenarioError {
         /// Where `world.toml` should be.
         path: PathBuf,
     },
+    /// A key of `world.toml` cannot be set from outside.
+    #[error("--set {set}: {message}")]
+    Set {
+        /// `KEY=VALUE`.
+        set: String,
+        /// The reason, and what was expected.
+        message: String,
+    },
     /// There is no scenario at a place that was named.
     #[error("{}: {found}: expected a folder with world.toml, or the path of a world.toml", path.display())]
     NoPlace {

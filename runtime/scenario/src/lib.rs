@@ -9,10 +9,12 @@ mod error;
 mod faults;
 mod grid;
 mod scenario;
+mod set;
 mod soundings;
 
 pub use controller::{read_controller, true_pose};
 pub use error::ScenarioError;
 pub use faults::{read_faults, read_script};
 pub use scenario::Scenario;
+pub use set::{WORLD_PREFIX, split_sets};
 pub use soundings::Soundings;

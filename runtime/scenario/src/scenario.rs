@@ -10,6 +10,7 @@ use backseat_world::Grid;
 use crate::controller::read_controller;
 use crate::error::ScenarioError;
 use crate::grid::read_grid;
+use crate::set::with_sets;
 
 /// The name of the file in a mission's folder.
 const WORLD: &str = "world.toml";
@@ -36,8 +37,33 @@ impl Scenario {
     ///
     /// [`ScenarioError`] in one line, with file and place; also if the mission has no scenario.
     pub fn load(mission: &Mission) -> Result<Self, ScenarioError> {
+        Self::load_with(mission, &[])
+    }
+
+    /// Reads the scenario of a mission with keys set: `world.KEY=VALUE` each. [`Scenario::text`] has them.
+    ///
+    /// # Errors
+    ///
+    /// [`ScenarioError`] in one line, with file and place, or with the setting; also if the mission has no scenario.
+    pub fn load_with(mission: &Mission, sets: &[String]) -> Result<Self, ScenarioError> {
         let path = world_path(mission);
-        Self::find(mission)?.ok_or(ScenarioError::NoWorld { path })
+        if !path.is_file() {
+            return Err(ScenarioError::NoWorld { path });
+        }
+        if sets.is_empty() {
+            return Self::read(path);
+        }
+        let text = read_text(&path)?;
+        // Without the settings first, so that an error of the file is reported with its line.
+        WorldFile::from_toml(&text).map_err(|source| ScenarioError::world(&path, source))?;
+        let text = with_sets(&text, sets)?;
+        Self::of_text(path, text).map_err(|error| match error {
+            ScenarioError::Read { .. } | ScenarioError::Grid { .. } | ScenarioError::GridSize { .. } => error,
+            error => ScenarioError::Set {
+                set: sets.join(" --set "),
+                message: without_line(&error),
+            },
+        })
     }
 
     /// Reads the scenario of a mission, if it has one.
@@ -83,10 +109,11 @@ impl Scenario {
     }
 
     fn read(path: PathBuf) -> Result<Self, ScenarioError> {
-        let text = std::fs::read_to_string(&path).map_err(|source| ScenarioError::Read {
-            path: path.clone(),
-            source,
-        })?;
+        let text = read_text(&path)?;
+        Self::of_text(path, text)
+    }
+
+    fn of_text(path: PathBuf, text: String) -> Result<Self, ScenarioError> {
         let world = WorldFile::from_toml(&text).map_err(|source| ScenarioError::world(&path, source))?;
         let plc = read_controller(&path, &text)?;
         let grid = match &world.seabed.grid {
@@ -159,6 +186,25 @@ impl Scenario {
     fn origin(&self) -> Option<Position> {
         Position::from_deg(self.world.origin.latitude_deg, self.world.origin.longitude_deg).ok()
     }
+}
+
+fn read_text(path: &Path) -> Result<String, ScenarioError> {
+    std::fs::read_to_string(path).map_err(|source| ScenarioError::Read {
+        path: path.to_path_buf(),
+        source,
+    })
+}
+
+/// An error without its line, which is one of the text with the settings, and not one of the file.
+fn without_line(error: &ScenarioError) -> String {
+    let text = error.to_string();
+    let ScenarioError::World { path, source } = error else {
+        return text;
+    };
+    let MvcError::Toml { message, .. } = source else {
+        return text;
+    };
+    format!("{}: {message}", path.display())
 }
 
 fn world_path(mission: &Mission) -> PathBuf {

@@ -12,8 +12,13 @@ use crate::sonar_settings::beyond_sonar;
 use crate::surroundings::beyond_limits;
 
 /// The front seat of the mission's scenario, where the mission has one.
-pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<FrontSeat> {
-    let Some(scenario) = Scenario::find(mission)? else {
+pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>, sets: &[String]) -> Result<FrontSeat> {
+    let scenario = if sets.is_empty() {
+        Scenario::find(mission)?
+    } else {
+        Some(Scenario::load_with(mission, sets)?)
+    };
+    let Some(scenario) = scenario else {
         return Ok(FrontSeat {
             remark: Some("no world.toml: this mission cannot be simulated"),
             ..FrontSeat::of_mission(mission, plan)?

@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use backseat_mission::Mission;
 
 use super::front_seat::FrontSeat;
 
 /// The front seat, as far as the mission itself describes it.
-pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<FrontSeat> {
+pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>, sets: &[String]) -> Result<FrontSeat> {
+    if let Some(set) = sets.first() {
+        bail!("--set {set}: this program was built for sea, and does not read world.toml: leave it out");
+    }
     Ok(FrontSeat {
         remark: Some("world.toml not read: this program was built for sea, without the simulation"),
         ..FrontSeat::of_mission(mission, plan)?

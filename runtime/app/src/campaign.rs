@@ -1,0 +1,367 @@
+//! `backseat campaign`: simulated missions by the thousand.
+
+mod merge;
+mod report;
+mod show;
+mod slurm;
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+use anyhow::{Context, Result, anyhow, bail};
+use backseat_campaign::{
+    CampaignFile, Crew, Folder, Manifest, Order, Plan, Progress, Seeds, Shard, Sources, Stop, finish, fly, pending,
+};
+use backseat_reference::{MET, STOPPED, UNMET};
+use clap::{Args, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+use tokio::signal::unix::{SignalKind, signal};
+use tracing::warn;
+
+use crate::cache::host_with;
+use crate::cli::folder;
+use crate::clock::Clock;
+use crate::output::say;
+use crate::sonar_settings::beyond_sonar;
+use crate::surroundings::{beyond_limits, beyond_vehicle};
+use crate::terminal::{share, tell};
+
+/// Without a terminal the progress is a line this often.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+/// What a campaign of a mission flies if it says nothing of seeds.
+const SEEDS: &str = "1..100";
+
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct Campaign {
+    #[command(subcommand)]
+    task: Option<Task>,
+    #[command(flatten)]
+    fly: Option<CampaignArguments>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Write the report of results again: DIR/report.html
+    Report(report::CampaignReport),
+    /// Print what results show
+    Show(show::CampaignShow),
+    /// Put the results of shards together, and write the report
+    Merge(merge::CampaignMerge),
+    /// Write the scripts of a Slurm array job that flies a campaign in shards, or submit them
+    Slurm(slurm::CampaignSlurm),
+}
+
+/// What to fly. Also the arguments of a shard.
+#[derive(Debug, Args)]
+pub(crate) struct CampaignArguments {
+    /// A campaign's file, or the folder of a mission
+    #[arg(value_name = "CAMPAIGN.toml|MISSION")]
+    pub(crate) campaign: PathBuf,
+    /// The seeds, such as 1..1000 or 1..10,42; both ends of a range count. Overrides the file [default of a mission:
+    /// 1..100]
+    #[arg(long, value_name = "A..B")]
+    pub(crate) seeds: Option<Seeds>,
+    /// Set a key in every run: limits.speed_max_mps=1.8, plugin.NAME.config.KEY=VALUE, or world.current.speed_mps=0.3
+    /// for a key of world.toml
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Look in this folder first for plugins that a mission names without a path
+    #[arg(long, value_name = "DIR", value_parser = folder)]
+    pub(crate) plugins: Option<PathBuf>,
+    /// Compile the plugins, and keep nothing for the next start
+    #[arg(long)]
+    pub(crate) no_cache: bool,
+    /// The folder of the results. If it has a part of this campaign, the campaign goes on
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Fly only this share of the runs, such as 2/7; `campaign merge` puts the shares together
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Number of threads [default: one for each core]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) workers: Option<u16>,
+    /// Stop after this time, with exit code 75: 90s, 55m or 11h
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub(crate) stop_after: Option<Duration>,
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// A campaign as it was given.
+pub(crate) struct Given {
+    pub(crate) plan: Plan,
+    text: String,
+    folder: PathBuf,
+}
+
+pub(crate) fn campaign(arguments: &Campaign) -> Result<u8> {
+    match (&arguments.task, &arguments.fly) {
+        (Some(Task::Report(arguments)), _) => report::report(arguments).map(|()| MET),
+        (Some(Task::Show(arguments)), _) => show::show(arguments).map(|()| MET),
+        (Some(Task::Merge(arguments)), _) => merge::merge(arguments),
+        (Some(Task::Slurm(arguments)), _) => slurm::slurm(arguments).map(|()| MET),
+        (None, Some(arguments)) => run(arguments),
+        (None, None) => bail!("expected a campaign's file or a mission's folder; `backseat campaign --help` has more"),
+    }
+}
+
+impl CampaignArguments {
+    pub(crate) fn given(&self) -> Result<Given> {
+        let path = &self.campaign;
+        let (mut file, text, folder) = if path.is_dir() {
+            let seeds = SEEDS.parse().map_err(|error: String| anyhow!(error))?;
+            let file = CampaignFile::of_mission(path.clone(), seeds);
+            let text = format!(
+                "missions = [{}]\nseeds = \"{SEEDS}\"\n",
+                toml::Value::String(path.display().to_string())
+            );
+            (file, text, PathBuf::new())
+        } else if path.is_file() {
+            let file = CampaignFile::read(path)?;
+            let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+            (file, text, path.parent().map(Path::to_path_buf).unwrap_or_default())
+        } else {
+            bail!(
+                "{}: not found: expected a campaign's file or a mission's folder",
+                path.display()
+            );
+        };
+        if let Some(seeds) = &self.seeds {
+            file.seeds = seeds.clone();
+        }
+        let plan = Plan::new(&file, path, &folder, &self.set)?;
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+        Ok(Given {
+            plan,
+            text,
+            folder: std::path::absolute(folder).with_context(|| folder.display().to_string())?,
+        })
+    }
+
+    fn workers(&self) -> usize {
+        self.workers
+            .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from)
+    }
+}
+
+fn run(arguments: &CampaignArguments) -> Result<u8> {
+    let given = arguments.given()?;
+    let plan = &given.plan;
+    if std::env::vars_os().any(|(name, _)| name.to_string_lossy().starts_with("BACKSEAT__")) {
+        warn!("a campaign does not read BACKSEAT__ variables: give keys in its file or with --set");
+    }
+    let crew = Crew::new(host_with(!arguments.no_cache)?, arguments.plugins.clone());
+    let sources = Sources {
+        campaign: &given.text,
+        seeds: arguments.seeds.as_ref(),
+        set: &arguments.set,
+        folder: &given.folder,
+    };
+    let manifest = Manifest::new(plan, &crew, &sources, env!("CARGO_PKG_VERSION"))?;
+    let folder = Folder::create(&arguments.out, &manifest)?;
+    warn_beyond(plan, &crew)?;
+    let stop = Arc::new(Stop::default());
+    stop_at_signals(&stop)?;
+    let shard = arguments.shard.unwrap_or(Shard::WHOLE);
+    let host = rustix::system::uname();
+    let order = Order {
+        plan,
+        crew: &crew,
+        folder: &folder,
+        shard,
+        workers: arguments.workers(),
+        stop_after: arguments.stop_after,
+        host: &host.nodename().to_string_lossy(),
+    };
+    let mut screen = Screen::new(arguments.json);
+    let ended = fly(&order, &stop, |progress| screen.show(progress))?;
+    screen.end(&ended.progress);
+    let Progress {
+        runs, before, now, ..
+    } = ended.progress;
+    if ended.stopped {
+        tell(&format!(
+            "stopped after {} of {runs} runs: the same command goes on",
+            before + now
+        ));
+        return Ok(STOPPED);
+    }
+    if arguments.shard.is_some() {
+        let left = pending(plan, &folder)?;
+        let next = if left == 0 {
+            format!("the campaign is whole: `backseat campaign merge {}`", arguments.out.display())
+        } else {
+            format!("{left} runs of other shards are not flown yet")
+        };
+        if arguments.json {
+            say!("{}", serde_json::json!({ "shard": shard.to_string(), "runs": runs, "flown_now": now, "left": left }));
+        } else {
+            say!("shard {shard}: {runs} runs flown; {next}");
+        }
+        return Ok(MET);
+    }
+    let finished = finish(plan, std::slice::from_ref(&folder), &folder)?;
+    report::write(&folder, plan, Some(&crew))?;
+    conclude(&folder, &finished, arguments.json)
+}
+
+/// Prints where the results are and what they are in a line; returns the exit code.
+fn conclude(folder: &Folder, finished: &backseat_campaign::Finished, json: bool) -> Result<u8> {
+    let backseat_campaign::Finished {
+        runs,
+        passed,
+        not_flown,
+        violations,
+    } = finished;
+    if json {
+        say!(
+            "{}",
+            serde_json::json!({
+                "out": folder.path(),
+                "runs": runs,
+                "passed": passed,
+                "not_flown": not_flown,
+                "violations": violations,
+            })
+        );
+    } else {
+        show::print(folder)?;
+        let path = folder.path().display();
+        say!("report: {path}/report.html; rows: {path}/runs.parquet");
+    }
+    Ok(if passed == runs && *violations == 0 { MET } else { UNMET })
+}
+
+/// Says once for each mission what is beyond its limits, as `sim` does.
+fn warn_beyond(plan: &Plan, crew: &Crew) -> Result<()> {
+    let mut told = std::collections::BTreeSet::new();
+    let per_mission = plan.runs() / plan.missions() as u64;
+    for place in 0..plan.missions() as u64 {
+        let Some(key) = plan.key(place * per_mission) else { continue };
+        // A mission that cannot be flown at this point has been reported, or is a row.
+        let Ok(prepared) = crew.prepare(plan, &key) else { continue };
+        let Ok(simulation) = prepared.simulation(key.seed) else { continue };
+        let (mission, scenario) = (&prepared.mission, &prepared.scenario);
+        let mut lines = beyond_vehicle(mission, scenario);
+        lines.extend(beyond_limits(mission, scenario, simulation.world()));
+        lines.extend(beyond_sonar(mission, scenario));
+        for line in lines {
+            if told.insert(line.clone()) {
+                warn!("{}: {line}", mission.name);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Ctrl-C and SIGTERM stop the campaign; what it has flown is kept.
+fn stop_at_signals(stop: &Arc<Stop>) -> Result<()> {
+    let stop = Arc::clone(stop);
+    let clock = Clock::start();
+    let runtime = clock.runtime()?;
+    let (mut interrupt, mut terminate) = {
+        let _within = runtime.enter();
+        (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?)
+    };
+    thread::spawn(move || {
+        runtime.block_on(async move {
+            tokio::select! {
+                _ = interrupt.recv() => {}
+                _ = terminate.recv() => {}
+            }
+        });
+        stop.set();
+    });
+    Ok(())
+}
+
+/// The progress: a bar on a terminal, elsewhere a line from time to time.
+struct Screen {
+    bar: ProgressBar,
+    clock: Clock,
+    lines: bool,
+    next_line: Duration,
+}
+
+impl Screen {
+    fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {per_sec}, {eta} left{msg}") {
+            bar.set_style(style);
+        }
+        share(&bar);
+        Self {
+            bar,
+            clock: Clock::start(),
+            lines: !quiet && !std::io::stderr().is_terminal(),
+            next_line: LINE_EVERY,
+        }
+    }
+
+    fn show(&mut self, progress: &Progress) {
+        let done = progress.before + progress.now;
+        if self.bar.length() != Some(progress.runs) {
+            self.bar.set_length(progress.runs);
+            // What was flown before says nothing of the rate.
+            self.bar.set_position(done);
+            self.bar.reset_eta();
+        }
+        self.bar.set_position(done);
+        let mut message = String::new();
+        for (count, what) in [
+            (progress.missed, "missed an expectation"),
+            (progress.not_flown, "could not be flown"),
+            (progress.violations, "violations"),
+        ] {
+            if count > 0 {
+                message.push_str(&format!("; {count} {what}"));
+            }
+        }
+        let elapsed = self.clock.elapsed();
+        if self.lines && elapsed >= self.next_line && done < progress.runs {
+            self.next_line = elapsed + LINE_EVERY;
+            let per_s = progress.now as f64 / elapsed.as_secs_f64();
+            let left_min = (progress.runs - done) as f64 / per_s.max(1e-9) / 60.0;
+            tell(&format!(
+                "{done} of {} runs, {per_s:.1} a second, {left_min:.0} min left{message}",
+                progress.runs
+            ));
+        }
+        self.bar.set_message(message);
+    }
+
+    fn end(&self, progress: &Progress) {
+        self.bar.finish_and_clear();
+        let seconds = self.clock.elapsed().as_secs_f64();
+        if self.lines && progress.now > 0 {
+            tell(&format!(
+                "{} runs flown in {seconds:.1} s, {:.1} a second",
+                progress.now,
+                progress.now as f64 / seconds.max(1e-9)
+            ));
+        }
+    }
+}
+
+/// A time on the command line: a number with s, m or h.
+fn time(text: &str) -> Result<Duration, String> {
+    let expected = || "expected a time such as 90s, 55m or 11h".to_owned();
+    let unit = text.chars().last().ok_or_else(expected)?;
+    let seconds = match unit {
+        's' => 1.0,
+        'm' => 60.0,
+        'h' => 3600.0,
+        _ => return Err(expected()),
+    };
+    let number: f64 = text[..text.len() - 1].parse().map_err(|_| expected())?;
+    if number > 0.0 && number * seconds < 1e8 {
+        Ok(Duration::from_secs_f64(number * seconds))
+    } else {
+        Err(expected())
+    }
+}

@@ -1,0 +1,57 @@
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use backseat_campaign::{Crew, Folder, Plan, RUNS};
+use backseat_campaign_report::{Gallery, Outcomes, page};
+use clap::Args;
+
+use crate::cache::host_with;
+use crate::cli::folder;
+use crate::output::say;
+
+#[derive(Debug, Args)]
+pub(crate) struct CampaignReport {
+    /// The results folder
+    #[arg(value_name = "DIR")]
+    dir: PathBuf,
+    /// Look in this folder first for plugins that a mission names without a path
+    #[arg(long, value_name = "DIR", value_parser = folder)]
+    plugins: Option<PathBuf>,
+}
+
+pub(super) fn report(arguments: &CampaignReport) -> Result<()> {
+    let folder = whole(&arguments.dir)?;
+    let plan = folder.manifest()?.plan(folder.path())?;
+    let crew = Crew::new(host_with(true)?, arguments.plugins.clone());
+    write(&folder, &plan, Some(&crew))?;
+    say!("report: {}", folder.path().join("report.html").display());
+    Ok(())
+}
+
+/// Opens a results folder whose rows are all there.
+pub(super) fn whole(path: &std::path::Path) -> Result<Folder> {
+    let folder = Folder::open(path)?;
+    if !folder.path().join(RUNS).is_file() {
+        bail!(
+            "{}: has no {RUNS} yet: the campaign is not whole; fly the rest with the same command, or merge its shards",
+            path.display()
+        );
+    }
+    Ok(folder)
+}
+
+/// Writes the report; with a crew it has pictures of runs.
+pub(super) fn write(folder: &Folder, plan: &Plan, crew: Option<&Crew>) -> Result<()> {
+    let outcomes = Outcomes::read(folder, plan)?;
+    let gallery = match crew {
+        Some(crew) => Gallery::draw(&outcomes, plan, crew)?,
+        None => Gallery::default(),
+    };
+    let text = page(folder, plan, &outcomes, &gallery)?;
+    let path = folder.path().join("report.html");
+    let temporary = folder.path().join(format!(".report.html.{}", std::process::id()));
+    std::fs::write(&temporary, text)
+        .and_then(|()| std::fs::rename(&temporary, &path))
+        .with_context(|| path.display().to_string())?;
+    Ok(())
+}

@@ -1,0 +1,203 @@
+use std::fmt;
+
+use crate::figure::figure;
+use crate::outcome::{Arm, Outcomes};
+use crate::statistics::{Interval, bootstrap_mean, mean, sign_test};
+
+/// A measure of two arms, run by run with the same point and seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The measure's name.
+    pub measure: String,
+    /// The name of the arm that is compared with the first.
+    pub other: String,
+    /// Pairs in which both runs have the measure.
+    pub pairs: u64,
+    /// Pairs in which only one of the two has it.
+    pub alone: u64,
+    /// The mean of the differences: the other less the first.
+    pub difference: f64,
+    /// The interval of the mean of the differences.
+    pub interval: Interval,
+    /// Pairs in which the other's value is smaller.
+    pub smaller: u64,
+    /// Pairs in which it is larger.
+    pub larger: u64,
+    /// The sign test's probability.
+    pub p: f64,
+}
+
+/// What a comparison shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// There are too few pairs to say anything.
+    TooFew,
+    /// All pairs are equal.
+    Equal,
+    /// The interval holds zero, or the sign test finds chance enough.
+    NoDifference,
+    /// Both say that the other is smaller.
+    Smaller,
+    /// Both say that the other is larger.
+    Larger,
+}
+
+/// Fewer pairs show nothing.
+const PAIRS_MIN: u64 = 6;
+/// The sign test's threshold.
+const P_MAX: f64 = 0.05;
+
+impl Comparison {
+    /// Compares a measure of two arms; `None` if no pair has it.
+    #[must_use]
+    pub fn new(outcomes: &Outcomes, first: &Arm, other: &Arm, measure: usize) -> Option<Self> {
+        let (name, values) = &outcomes.measures[measure];
+        let pairs = outcomes.range(first).zip(outcomes.range(other));
+        let (mut differences, mut alone) = (Vec::new(), 0);
+        for (one, another) in pairs {
+            match (values[one], values[another]) {
+                (Some(one), Some(another)) => differences.push(another - one),
+                (None, None) => {}
+                (Some(_), None) | (None, Some(_)) => alone += 1,
+            }
+        }
+        if differences.is_empty() {
+            return None;
+        }
+        let smaller = differences.iter().filter(|difference| **difference < 0.0).count() as u64;
+        let larger = differences.iter().filter(|difference| **difference > 0.0).count() as u64;
+        Some(Self {
+            measure: name.clone(),
+            other: other.name.clone(),
+            pairs: differences.len() as u64,
+            alone,
+            difference: mean(&differences),
+            interval: bootstrap_mean(&differences),
+            smaller,
+            larger,
+            p: sign_test(smaller, larger),
+        })
+    }
+
+    /// What it shows. A difference must show in both: in the mean and in the signs.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        if self.smaller + self.larger == 0 {
+            return Verdict::Equal;
+        }
+        if self.pairs < PAIRS_MIN {
+            return Verdict::TooFew;
+        }
+        let signs = self.p < P_MAX;
+        if signs && self.interval.high < 0.0 && self.smaller > self.larger {
+            Verdict::Smaller
+        } else if signs && self.interval.low > 0.0 && self.larger > self.smaller {
+            Verdict::Larger
+        } else {
+            Verdict::NoDifference
+        }
+    }
+
+    /// The sign test's probability for people.
+    pub(crate) fn p_text(&self) -> String {
+        if self.p < 1e-4 {
+            "p < 0.0001".to_owned()
+        } else {
+            format!("p = {:.4}", self.p)
+        }
+    }
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.verdict() {
+            Verdict::Equal => write!(f, "no difference: equal in each of {} pairs", self.pairs),
+            Verdict::TooFew => write!(f, "too few pairs ({}) to say", self.pairs),
+            verdict @ (Verdict::NoDifference | Verdict::Smaller | Verdict::Larger) => {
+                let word = match verdict {
+                    Verdict::Smaller => "smaller",
+                    Verdict::Larger => "larger",
+                    Verdict::NoDifference | Verdict::Equal | Verdict::TooFew => "no difference shown",
+                };
+                write!(
+                    f,
+                    "{word}: by {} (95 % interval {} to {}); smaller in {}, larger in {} of {} pairs, {}",
+                    figure(self.difference),
+                    figure(self.interval.low),
+                    figure(self.interval.high),
+                    self.smaller,
+                    self.larger,
+                    self.pairs,
+                    self.p_text()
+                )
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use backseat_world::Stream;
+
+    fn compared(values: Vec<Option<f64>>) -> Comparison {
+        let runs = values.len() as u64 / 2;
+        let arm = |name: &str, first| Arm {
+            name: name.to_owned(),
+            first,
+            runs,
+        };
+        let outcomes = Outcomes {
+            arms: vec![arm("a", 0), arm("b", runs)],
+            passed: vec![true; values.len()],
+            flown: vec![true; values.len()],
+            violations: vec![0; values.len()],
+            measures: vec![("rms_m".to_owned(), values)],
+            parameters: Vec::new(),
+            leading: None,
+        };
+        Comparison::new(&outcomes, &outcomes.arms[0], &outcomes.arms[1], 0).unwrap()
+    }
+
+    fn noise(count: usize, name: &str) -> Vec<Option<f64>> {
+        let mut stream = Stream::new(1, name);
+        (0..count).map(|_| Some(stream.gaussian())).collect()
+    }
+
+    #[test]
+    fn an_arm_against_itself_does_not_differ() {
+        let values = noise(100, "a");
+        let comparison = compared([values.clone(), values].concat());
+        assert_eq!(comparison.verdict(), Verdict::Equal);
+        assert_eq!(comparison.to_string(), "no difference: equal in each of 100 pairs");
+    }
+
+    #[test]
+    fn noise_does_not_differ_and_a_shift_does() {
+        assert_eq!(
+            compared([noise(100, "a"), noise(100, "b")].concat()).verdict(),
+            Verdict::NoDifference
+        );
+        let shifted = noise(100, "a").into_iter().map(|value| value.map(|value| value + 0.3));
+        let comparison = compared(noise(100, "a").into_iter().chain(shifted).collect());
+        assert_eq!((comparison.verdict(), comparison.larger), (Verdict::Larger, 100));
+        let text = comparison.to_string();
+        assert!(text.starts_with("larger: by 0.3 (95 % interval 0.3 to 0.3)"), "{text}");
+    }
+
+    #[test]
+    fn one_of_a_pair_without_a_value_is_counted() {
+        let mut values = [noise(10, "a"), noise(10, "b")].concat();
+        values[3] = None;
+        values[15] = None;
+        values[7] = None;
+        values[17] = None;
+        let comparison = compared(values);
+        assert_eq!((comparison.pairs, comparison.alone), (7, 2));
+    }
+
+    #[test]
+    fn few_pairs_say_nothing() {
+        assert_eq!(compared([noise(4, "a"), noise(4, "b")].concat()).verdict(), Verdict::TooFew);
+    }
+}

@@ -1,0 +1,42 @@
+//! What a campaign's results show, from `runs.parquet` alone: pass rates with their bounds, distributions of measures,
+//! paired comparisons of variants, which parameter moves a measure, and the worst runs.
+//!
+//! [`page`] is one HTML file without any need of a network. [`table`] is for the terminal. Pictures of runs are drawn by
+//! flying these runs again ([`Gallery`]); without the missions the page does without them.
+
+mod chart;
+mod compare;
+mod figure;
+mod gallery;
+mod outcome;
+mod page;
+mod sensitivity;
+mod statistics;
+mod table;
+mod worst;
+
+pub use compare::{Comparison, Verdict};
+pub use gallery::Gallery;
+pub use outcome::{Arm, Outcomes};
+pub use page::page;
+pub use statistics::{Interval, pass_rate};
+pub use table::table;
+
+/// Why results cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The results cannot be read.
+    #[error(transparent)]
+    Campaign(#[from] backseat_campaign::CampaignError),
+    /// A chart cannot be drawn.
+    #[error("a chart cannot be drawn: {0}")]
+    Chart(String),
+    /// The campaign has no such measure.
+    #[error("report.measure is `{measure}`: expected one of the measures of its runs: {known}")]
+    Measure {
+        /// What was asked for.
+        measure: String,
+        /// What there is, separated by commas.
+        known: String,
+    },
+}

@@ -1,0 +1,191 @@
+use backseat_campaign::{Better, Column, ColumnKind, Folder, Plan, RUNS, read_columns, read_names};
+
+use crate::ReportError;
+
+/// What is compared: a mission with a variant. The runs of an arm follow each other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Arm {
+    /// Its name in the report.
+    pub name: String,
+    /// Its first run.
+    pub first: u64,
+    /// How many runs it has, the same number in all arms.
+    pub runs: u64,
+}
+
+/// The results of a campaign, as the report needs them.
+#[derive(Clone, Debug)]
+pub struct Outcomes {
+    /// The arms in their order.
+    pub arms: Vec<Arm>,
+    /// For each run whether it met its expectations.
+    pub passed: Vec<bool>,
+    /// For each run whether it was flown.
+    pub flown: Vec<bool>,
+    /// For each run its violations.
+    pub violations: Vec<u64>,
+    /// The measures by name: of missions, of plugins behind `published.`, and margins of safety behind `margin.`.
+    pub measures: Vec<(String, Vec<Option<f64>>)>,
+    /// The parameters by name, with their values.
+    pub(crate) parameters: Vec<(String, Values)>,
+    /// Which measure comes first, and which of its values are better.
+    pub(crate) leading: Option<(usize, Better)>,
+}
+
+/// The values of a parameter.
+#[derive(Clone, Debug)]
+pub(crate) enum Values {
+    Numbers(Vec<Option<f64>>),
+    /// The place of each run's value among the texts.
+    Texts(Vec<usize>, Vec<String>),
+}
+
+impl Outcomes {
+    /// Reads `runs.parquet` of a results folder.
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError`] if it cannot be read, or if the campaign's report asks for a measure that no run has.
+    pub fn read(folder: &Folder, plan: &Plan) -> Result<Self, ReportError> {
+        let path = folder.path().join(RUNS);
+        let sheet = read_names(&path)?;
+        let parameters: Vec<&str> = plan.parameters().collect();
+        // Measures are the numbers behind the last column that every campaign has.
+        let last = sheet.columns.iter().position(|(name, _)| name == "replay").unwrap_or(0);
+        let measures: Vec<&str> = sheet.columns[last..]
+            .iter()
+            .filter(|(_, kind)| *kind == ColumnKind::Number)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let mut names = vec!["passed", "error", "violations"];
+        names.extend(&parameters);
+        names.extend(&measures);
+        let mut columns = read_columns(&path, &names)?.into_iter();
+        let passed = match columns.next().flatten() {
+            Some(Column::Boolean(values)) => values.into_iter().map(|value| value == Some(true)).collect(),
+            _ => Vec::new(),
+        };
+        let flown = match columns.next().flatten() {
+            Some(Column::Text(values)) => values.into_iter().map(|value| value.is_none()).collect(),
+            _ => vec![true; passed.len()],
+        };
+        let violations = match columns.next().flatten() {
+            Some(Column::Integer(values)) => values
+                .into_iter()
+                .map(|value| value.map_or(0, i64::cast_unsigned))
+                .collect(),
+            _ => vec![0; passed.len()],
+        };
+        let parameters = parameters
+            .iter()
+            .map(|name| ((*name).to_owned(), Values::of(columns.next().flatten())))
+            .collect();
+        let measures: Vec<(String, Vec<Option<f64>>)> = measures
+            .iter()
+            .filter_map(|name| match columns.next().flatten() {
+                Some(Column::Number(values)) => Some(((*name).to_owned(), values)),
+                _ => None,
+            })
+            .collect();
+        let leading = leading(plan, &measures)?;
+        Ok(Self {
+            arms: arms(plan),
+            passed,
+            flown,
+            violations,
+            measures,
+            parameters,
+            leading,
+        })
+    }
+
+    /// The places of an arm's runs.
+    pub(crate) fn range(&self, arm: &Arm) -> std::ops::Range<usize> {
+        let end = ((arm.first + arm.runs) as usize).min(self.passed.len());
+        (arm.first as usize).min(end)..end
+    }
+
+    /// The values of a measure in an arm, in ascending order.
+    pub(crate) fn sorted(&self, arm: &Arm, measure: usize) -> Vec<f64> {
+        let mut values: Vec<f64> = self.measures[measure].1[self.range(arm)].iter().copied().flatten().collect();
+        values.sort_by(f64::total_cmp);
+        values
+    }
+}
+
+impl Values {
+    fn of(column: Option<Column>) -> Self {
+        match column {
+            Some(Column::Number(values)) => Self::Numbers(values),
+            Some(Column::Integer(values)) => {
+                Self::Numbers(values.into_iter().map(|value| value.map(|value| value as f64)).collect())
+            }
+            Some(Column::Natural(values)) => {
+                Self::Numbers(values.into_iter().map(|value| value.map(|value| value as f64)).collect())
+            }
+            Some(Column::Boolean(values)) => Self::texts(values.into_iter().map(|value| value == Some(true))),
+            Some(Column::Text(values)) => Self::texts(values.into_iter().map(Option::unwrap_or_default)),
+            None => Self::Numbers(Vec::new()),
+        }
+    }
+
+    fn texts(values: impl Iterator<Item = impl ToString>) -> Self {
+        let mut known: Vec<String> = Vec::new();
+        let places = values
+            .map(|value| {
+                let text = value.to_string();
+                known.iter().position(|other| *other == text).unwrap_or_else(|| {
+                    known.push(text);
+                    known.len() - 1
+                })
+            })
+            .collect();
+        Self::Texts(places, known)
+    }
+}
+
+fn leading(
+    plan: &Plan,
+    measures: &[(String, Vec<Option<f64>>)],
+) -> Result<Option<(usize, Better)>, ReportError> {
+    match plan.measure() {
+        Some((name, better)) => match measures.iter().position(|(measure, _)| measure == name) {
+            Some(place) => Ok(Some((place, better))),
+            // No run may have reached what it measures.
+            None if measures.is_empty() => Ok(None),
+            None => Err(ReportError::Measure {
+                measure: name.to_owned(),
+                known: measures.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", "),
+            }),
+        },
+        None => Ok(measures
+            .iter()
+            .position(|(name, _)| !name.starts_with("margin."))
+            .map(|place| (place, Better::Less))),
+    }
+}
+
+fn arms(plan: &Plan) -> Vec<Arm> {
+    let runs = plan.points() * plan.runs_of_point();
+    let count = plan.runs().checked_div(runs).unwrap_or(0);
+    (0..count)
+        .filter_map(|arm| {
+            let key = plan.key(arm * runs)?;
+            let mission = plan.mission(&key).file_name().map_or_else(
+                || plan.mission(&key).display().to_string(),
+                |name| name.to_string_lossy().into_owned(),
+            );
+            let variant = plan.variant(&key);
+            let name = match (plan.missions(), variant) {
+                (_, "") => mission,
+                (1, variant) => variant.to_owned(),
+                (_, variant) => format!("{mission}, {variant}"),
+            };
+            Some(Arm {
+                name,
+                first: arm * runs,
+                runs,
+            })
+        })
+        .collect()
+}

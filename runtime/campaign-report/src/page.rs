@@ -1,0 +1,316 @@
+use backseat_campaign::{Column, Folder, Plan, RUNS, read_columns};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::ReportError;
+use crate::chart::{Series, bars, distributions, scatter};
+use crate::compare::{Comparison, Verdict};
+use crate::figure::{figure, percent, words};
+use crate::gallery::Gallery;
+use crate::outcome::{Arm, Outcomes, Values};
+use crate::sensitivity::{Sensitivity, sensitivities};
+use crate::statistics::{mean, pass_rate, quantile};
+use crate::worst::worst;
+
+/// The page is for people who print it, or look at it in a bright or a dark room.
+const STYLE: &str = "
+:root { color-scheme: light dark; --line: #8884; --dim: #777; --bad: #b3261e; }
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
+p.dim, .dim { color: var(--dim); } .bad { color: var(--bad); font-weight: 600; }
+table { border-collapse: collapse; margin: .5rem 0; } th, td { padding: .2rem .8rem .2rem 0; text-align: right; }
+th { border-bottom: 1px solid var(--line); font-weight: 600; } th:first-child, td:first-child, td.text { text-align: left; }
+figure { margin: 1rem 0; background: #fff; color: #000; border: 1px solid var(--line); border-radius: 6px; padding: .5rem; display: inline-block; max-width: 100%; }
+figure svg { max-width: 100%; height: auto; } figcaption { font-size: .9rem; padding: .2rem .5rem; }
+code { font-size: .85rem; overflow-wrap: anywhere; } details { margin: .5rem 0; } .wide { overflow-x: auto; }
+";
+/// Points of a scatter chart at most.
+const POINTS: usize = 1500;
+/// Rows of the worst runs, and of the reasons for which runs could not be flown.
+const WORST: usize = 12;
+const REASONS: usize = 10;
+
+/// The report of a campaign: one HTML file with everything in it.
+///
+/// # Errors
+///
+/// [`ReportError`] if the results cannot be read or a chart cannot be drawn.
+pub fn page(folder: &Folder, plan: &Plan, outcomes: &Outcomes, gallery: &Gallery) -> Result<String, ReportError> {
+    let manifest = folder.manifest()?;
+    let title = outcomes.arms.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join(" / ");
+    let (leading, others): (Vec<usize>, Vec<usize>) =
+        (0..outcomes.measures.len()).partition(|measure| outcomes.leading.is_some_and(|(first, _)| first == *measure));
+    let (margins, measures): (Vec<usize>, Vec<usize>) = others
+        .into_iter()
+        .partition(|measure| outcomes.measures[*measure].0.starts_with("margin."));
+    let shown: Vec<usize> = leading.iter().copied().chain(measures).collect();
+    let body = html! {
+        h1 { "Campaign: " (title) }
+        p.dim {
+            (plan.runs()) " runs: " (plan.missions()) " missions, " (outcomes.arms.len() / plan.missions().max(1))
+            " variants, " (plan.points()) " points, " (plan.runs_of_point()) " seeds each. backseat " (manifest.version)
+            ", campaign " (manifest.identity()[..12])
+            @if let Some(faults) = plan.faults() { ", drawn faults " (faults) }
+        }
+        h2 { "How many runs passed" }
+        (rates(outcomes))
+        (reasons(folder)?)
+        @if outcomes.arms.len() > 1 {
+            h2 { "Comparison" }
+            (comparisons(outcomes, &shown))
+        }
+        h2 { "Distributions" }
+        @for measure in &shown { (distribution(outcomes, *measure)?) }
+        @if let (Some((measure, _)), false) = (outcomes.leading, outcomes.parameters.is_empty()) {
+            h2 { "Which parameter moves " (words(&outcomes.measures[measure].0)) }
+            (sensitivity(outcomes, measure)?)
+        }
+        h2 { "The worst runs" }
+        (worst_runs(folder, outcomes, gallery)?)
+        @if !gallery.maps.is_empty() {
+            h2 { "Tracks" }
+            p.dim { "Some runs of each variant, at even distances. Green: the edge of a keep-in zone; red: a keep-out zone." }
+            @for (name, svg) in &gallery.maps {
+                figure { (PreEscaped(svg)) figcaption { (name) } }
+            }
+        }
+        @if !margins.is_empty() {
+            h2 { "How near the runs came to what the safety requirements forbid" }
+            (margin_table(outcomes, &margins))
+        }
+    };
+    Ok(html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "Campaign: " (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body { (body) }
+        }
+    }
+    .into_string())
+}
+
+fn rates(outcomes: &Outcomes) -> Markup {
+    html! {
+        table {
+            tr { th { "variant" } th { "runs" } th { "passed" } th { "share" } th { "95 % interval" } th { "not flown" } th { "violations" } }
+            @for arm in &outcomes.arms {
+                @let range = outcomes.range(arm);
+                @let passed = outcomes.passed[range.clone()].iter().filter(|passed| **passed).count() as u64;
+                @let not_flown = outcomes.flown[range.clone()].iter().filter(|flown| !**flown).count();
+                @let violations: u64 = outcomes.violations[range].iter().sum();
+                @let interval = pass_rate(passed, arm.runs);
+                tr {
+                    td { (arm.name) } td { (arm.runs) } td { (passed) }
+                    td { (percent(passed as f64 / arm.runs.max(1) as f64)) }
+                    td { (percent(interval.low)) " to " (percent(interval.high)) }
+                    td.bad[not_flown > 0] { (not_flown) } td.bad[violations > 0] { (violations) }
+                }
+            }
+        }
+        p.dim {
+            "A run passes if every expectation of its world.toml held. The interval is Wilson's; where no run failed, at most "
+            "3/N of all runs fail (the rule of three)."
+        }
+    }
+}
+
+/// Why runs could not be flown, each reason with how often it came.
+fn reasons(folder: &Folder) -> Result<Markup, ReportError> {
+    let columns = read_columns(&folder.path().join(RUNS), &["error"])?;
+    let Some(Some(Column::Text(errors))) = columns.into_iter().next() else {
+        return Ok(html! {});
+    };
+    let mut counts = std::collections::BTreeMap::<&str, (u64, usize)>::new();
+    for (run, error) in errors.iter().enumerate() {
+        if let Some(error) = error {
+            counts.entry(error).or_insert((0, run)).0 += 1;
+        }
+    }
+    let mut sorted: Vec<_> = counts.into_iter().collect();
+    sorted.sort_by_key(|(_, (count, run))| (std::cmp::Reverse(*count), *run));
+    Ok(html! {
+        @if !sorted.is_empty() {
+            p { "Runs that could not be flown:" }
+            ul {
+                @for (error, (count, run)) in sorted.iter().take(REASONS) { li { (count) " x " (error) " (first: run " (run) ")" } }
+                @if sorted.len() > REASONS { li { (sorted.len() - REASONS) " more reasons" } }
+            }
+        }
+    })
+}
+
+fn comparisons(outcomes: &Outcomes, measures: &[usize]) -> Markup {
+    let first = &outcomes.arms[0];
+    html! {
+        p.dim {
+            "Each run is compared with the run of " strong { (first.name) } " with the same point and seed: difference = other "
+            "less " (first.name) ". A difference is called one if the bootstrap's 95 % interval of the mean difference does not "
+            "hold 0 and the sign test finds p < 0.05. With many measures, one in twenty differs by chance."
+        }
+        div.wide { table {
+            tr { th { "measure" } th { "other" } th { "mean difference" } th { "95 % interval" } th { "smaller" } th { "larger" } th { "pairs" } th { "sign test" } th { "verdict" } }
+            @for measure in measures {
+                @for other in &outcomes.arms[1..] {
+                    @if let Some(comparison) = Comparison::new(outcomes, first, other, *measure) {
+                        (comparison_row(&comparison))
+                    }
+                }
+            }
+        } }
+    }
+}
+
+fn comparison_row(comparison: &Comparison) -> Markup {
+    let verdict = match comparison.verdict() {
+        Verdict::TooFew => "too few pairs",
+        Verdict::Equal => "no difference: all pairs are equal",
+        Verdict::NoDifference => "no difference shown",
+        Verdict::Smaller => "smaller",
+        Verdict::Larger => "larger",
+    };
+    html! {
+        tr {
+            td { (words(&comparison.measure)) } td.text { (comparison.other) }
+            td { (figure(comparison.difference)) }
+            td { (figure(comparison.interval.low)) " to " (figure(comparison.interval.high)) }
+            td { (comparison.smaller) } td { (comparison.larger) }
+            td { (comparison.pairs) @if comparison.alone > 0 { " (" (comparison.alone) " with one alone)" } }
+            td { (comparison.p_text()) } td.text { strong { (verdict) } }
+        }
+    }
+}
+
+fn distribution(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportError> {
+    let name = &outcomes.measures[measure].0;
+    let sorted: Vec<(&Arm, Vec<f64>)> = outcomes.arms.iter().map(|arm| (arm, outcomes.sorted(arm, measure))).collect();
+    let series: Vec<Series<'_, f64>> = sorted
+        .iter()
+        .map(|(arm, values)| Series {
+            name: &arm.name,
+            values: values.clone(),
+        })
+        .collect();
+    let Some(chart) = distributions(&words(name), &series)? else {
+        return Ok(html! {});
+    };
+    Ok(html! {
+        figure { (PreEscaped(chart)) figcaption { (words(name)) " " span.dim { (name) } } }
+        div.wide { table {
+            tr { th { (words(name)) } th { "runs" } th { "mean" } th { "least" } th { "5 %" } th { "median" } th { "95 %" } th { "most" } }
+            @for (arm, values) in &sorted {
+                @if !values.is_empty() {
+                    tr {
+                        td { (arm.name) } td { (values.len()) } td { (figure(mean(values))) }
+                        @for share in [0.0, 0.05, 0.5, 0.95, 1.0] { td { (figure(quantile(values, share))) } }
+                    }
+                }
+            }
+        } }
+    })
+}
+
+fn sensitivity(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportError> {
+    let found = sensitivities(outcomes, measure);
+    if found.is_empty() {
+        return Ok(html! { p { "No parameter varies, or the measure does not." } });
+    }
+    let shares: Vec<(String, f64)> = found.iter().map(|found| (found.parameter.clone(), found.share)).collect();
+    let chart = bars("share of the variance that the parameter explains", &shares)?;
+    let mut scatters = Vec::new();
+    for (name, values) in &outcomes.parameters {
+        if let Values::Numbers(numbers) = values
+            && let Some(svg) = scatter_of(outcomes, measure, name, numbers)?
+        {
+            scatters.push(svg);
+        }
+    }
+    Ok(html! {
+        p.dim {
+            "The share of the variance within each variant that the values of a parameter explain beyond chance (epsilon "
+            "squared; a range is cut into ten parts). What several parameters do together is in none of the shares. The rank "
+            "correlation (Spearman) says in which direction."
+        }
+        figure { (PreEscaped(chart)) }
+        table {
+            tr { th { "parameter" } th { "share explained" } th { "rank correlation" } }
+            @for Sensitivity { parameter, share, correlation } in &found {
+                tr { td { (parameter) } td { (percent(*share)) } td { @if let Some(correlation) = correlation { (format!("{correlation:+.2}")) } } }
+            }
+        }
+        @for svg in &scatters { figure { (PreEscaped(svg)) } }
+    })
+}
+
+fn scatter_of(
+    outcomes: &Outcomes,
+    measure: usize,
+    name: &str,
+    numbers: &[Option<f64>],
+) -> Result<Option<String>, ReportError> {
+    let (title, values) = &outcomes.measures[measure];
+    let step = (outcomes.passed.len() / POINTS).max(1);
+    let series: Vec<Series<'_, (f64, f64)>> = outcomes
+        .arms
+        .iter()
+        .map(|arm| Series {
+            name: &arm.name,
+            values: outcomes
+                .range(arm)
+                .step_by(step)
+                .filter_map(|run| Some((numbers.get(run).copied()??, values[run]?)))
+                .collect(),
+        })
+        .collect();
+    scatter(name, &words(title), &series)
+}
+
+fn worst_runs(folder: &Folder, outcomes: &Outcomes, gallery: &Gallery) -> Result<Markup, ReportError> {
+    let all = worst(outcomes, WORST);
+    let columns = read_columns(&folder.path().join(RUNS), &["replay", "unmet", "rules_broken"])?;
+    let text = |column: usize, run: u64| match columns.get(column) {
+        Some(Some(Column::Text(values))) => values.get(run as usize).cloned().flatten().unwrap_or_default(),
+        _ => String::new(),
+    };
+    Ok(html! {
+        @if all.is_empty() { p { "No run has a measure, and none failed." } }
+        @for worst in &all {
+            @let picture = gallery.runs.iter().find(|(run, _)| *run == worst.run);
+            p {
+                strong { "run " (worst.run) } ": " (worst.why)
+                @let unmet = text(1, worst.run);
+                @if !unmet.is_empty() { br; span.bad { (unmet) } }
+                @let rules = text(2, worst.run);
+                @if !rules.is_empty() { br; span.bad { "rules broken: " (rules) } }
+                br; code { (text(0, worst.run)) }
+            }
+            @if let Some((_, svg)) = picture { figure { (PreEscaped(svg)) } }
+        }
+        @if gallery.runs.is_empty() && !all.is_empty() {
+            p.dim { "Without pictures: the missions were not at hand when this report was written." }
+        }
+    })
+}
+
+fn margin_table(outcomes: &Outcomes, margins: &[usize]) -> Markup {
+    html! {
+        p.dim { "The nearest figure of each run, metres or seconds; `margin of safety` in the architecture page has the words." }
+        div.wide { table {
+            tr { th { "margin" } th { "variant" } th { "runs" } th { "least" } th { "1 %" } th { "median" } th { "99 %" } th { "most" } }
+            @for margin in margins {
+                @for arm in &outcomes.arms {
+                    @let values = outcomes.sorted(arm, *margin);
+                    @if !values.is_empty() {
+                        tr {
+                            td { (outcomes.measures[*margin].0.trim_start_matches("margin.")) } td.text { (arm.name) } td { (values.len()) }
+                            @for share in [0.0, 0.01, 0.5, 0.99, 1.0] { td { (figure(quantile(&values, share))) } }
+                        }
+                    }
+                }
+            }
+        } }
+    }
+}

@@ -1,0 +1,130 @@
+//! Which parameter moves a measure.
+
+use crate::outcome::{Outcomes, Values};
+use crate::statistics::{explained, quantile, rank_correlation};
+
+/// A parameter with more values than this is cut into parts with equally many runs.
+const VALUES_MAX: usize = 12;
+const PARTS: usize = 10;
+
+/// How a measure depends on a parameter, over all arms.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sensitivity {
+    pub(crate) parameter: String,
+    /// The share of the measure's variance within the arms that the parameter explains, 0 to 1.
+    pub(crate) share: f64,
+    /// Spearman's rank correlation, if the parameter is a number.
+    pub(crate) correlation: Option<f64>,
+}
+
+/// The parameters by the share that they explain, the largest first. The runs of each arm are compared with the mean of
+/// that arm, so that a difference between arms counts for no parameter.
+pub(crate) fn sensitivities(outcomes: &Outcomes, measure: usize) -> Vec<Sensitivity> {
+    let values = centred(outcomes, measure);
+    let mut all: Vec<Sensitivity> = outcomes
+        .parameters
+        .iter()
+        .filter_map(|(name, parameter)| {
+            let (groups, correlation) = match parameter {
+                Values::Numbers(numbers) => {
+                    let pairs: Vec<(f64, f64)> = numbers
+                        .iter()
+                        .zip(&values)
+                        .filter_map(|(number, value)| Some(((*number)?, (*value)?)))
+                        .collect();
+                    (grouped(&pairs), rank_correlation(&pairs))
+                }
+                Values::Texts(places, texts) => {
+                    let mut groups = vec![Vec::new(); texts.len()];
+                    for (place, value) in places.iter().zip(&values) {
+                        groups[*place].extend(*value);
+                    }
+                    (groups, None)
+                }
+            };
+            Some(Sensitivity {
+                parameter: name.clone(),
+                share: explained(&groups)?,
+                correlation,
+            })
+        })
+        .collect();
+    all.sort_by(|one, other| other.share.total_cmp(&one.share));
+    all
+}
+
+/// Each run's value less the mean of its arm.
+fn centred(outcomes: &Outcomes, measure: usize) -> Vec<Option<f64>> {
+    let mut values = outcomes.measures[measure].1.clone();
+    for arm in &outcomes.arms {
+        let range = outcomes.range(arm);
+        let there: Vec<f64> = values[range.clone()].iter().copied().flatten().collect();
+        let middle = crate::statistics::mean(&there);
+        for value in values[range].iter_mut().flatten() {
+            *value -= middle;
+        }
+    }
+    values
+}
+
+fn grouped(pairs: &[(f64, f64)]) -> Vec<Vec<f64>> {
+    let mut numbers: Vec<f64> = pairs.iter().map(|pair| pair.0).collect();
+    numbers.sort_by(f64::total_cmp);
+    let mut edges = numbers.clone();
+    edges.dedup();
+    if edges.len() > VALUES_MAX {
+        edges = (0..PARTS)
+            .map(|part| quantile(&numbers, part as f64 / PARTS as f64))
+            .collect();
+        edges.dedup();
+    }
+    let mut groups = vec![Vec::new(); edges.len()];
+    for (number, value) in pairs {
+        let group = edges.partition_point(|edge| edge <= number).saturating_sub(1);
+        groups[group].push(*value);
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outcome::Arm;
+    use backseat_world::Stream;
+
+    #[test]
+    fn the_parameter_that_moves_the_measure_comes_first() {
+        let mut stream = Stream::new(1, "runs");
+        let count = 1000;
+        let draw = |stream: &mut Stream| (0..count).map(|_| stream.uniform()).collect::<Vec<f64>>();
+        let (strong, weak, none) = (draw(&mut stream), draw(&mut stream), draw(&mut stream));
+        let kinds: Vec<usize> = (0..count).map(|run| run % 2).collect();
+        let measure = (0..count)
+            .map(|run| Some(-3.0 * strong[run] + 0.5 * weak[run] + 0.2 * kinds[run] as f64 + 0.1 * stream.gaussian()))
+            .collect();
+        let numbers = |values: Vec<f64>| Values::Numbers(values.into_iter().map(Some).collect());
+        let outcomes = Outcomes {
+            arms: vec![Arm {
+                name: "a".to_owned(),
+                first: 0,
+                runs: count as u64,
+            }],
+            passed: vec![true; count],
+            flown: vec![true; count],
+            violations: vec![0; count],
+            measures: vec![("m".to_owned(), measure)],
+            parameters: vec![
+                ("none".to_owned(), numbers(none)),
+                ("kind".to_owned(), Values::Texts(kinds, vec!["x".to_owned(), "y".to_owned()])),
+                ("weak".to_owned(), numbers(weak)),
+                ("strong".to_owned(), numbers(strong)),
+            ],
+            leading: None,
+        };
+        let found = sensitivities(&outcomes, 0);
+        assert_eq!(found[0].parameter, "strong");
+        assert!(found[0].share > 0.9 && found[0].correlation.unwrap() < -0.9);
+        let none = found.iter().find(|found| found.parameter == "none").unwrap();
+        assert!(none.share < 0.02);
+    }
+}

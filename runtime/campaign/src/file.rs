@@ -1,0 +1,334 @@
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use toml::{Table, Value as Toml};
+
+use crate::design::{Ends, Parameter, Source, Value};
+use crate::error::CampaignError;
+use crate::faults::DrawnFaults;
+use crate::seeds::Seeds;
+
+/// A campaign's file as it is written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CampaignFile {
+    /// The missions' folders, relative to this file.
+    pub missions: Vec<PathBuf>,
+    /// The seeds: `"1..1000"`, both ends count.
+    pub seeds: Seeds,
+    /// How many points the parameters with `spread` are spread over.
+    #[serde(default)]
+    pub points: Option<u64>,
+    /// Keys that are set in every run.
+    #[serde(default)]
+    pub set: Table,
+    /// What is compared: each variant is flown with every mission, point and seed.
+    #[serde(default, rename = "variant")]
+    pub variants: Vec<VariantTable>,
+    /// What differs from point to point.
+    #[serde(default, rename = "parameter")]
+    pub parameters: Vec<ParameterTable>,
+    /// Faults that the seed draws, instead of the `[faults]` of the world.
+    #[serde(default)]
+    pub faults: Option<DrawnFaults>,
+    /// What the report shows first.
+    #[serde(default)]
+    pub report: ReportTable,
+}
+
+/// A variant: a name for the results, and the keys that it sets.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VariantTable {
+    /// Its name in the results.
+    pub name: String,
+    /// The keys that it sets, such as `"plugin.isobath.component" = "isobath-old"`.
+    #[serde(default)]
+    pub set: Table,
+}
+
+/// A parameter as it is written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterTable {
+    /// A key of `mission.toml`, or of `world.toml` behind `world.`.
+    pub key: String,
+    /// Its values.
+    #[serde(default)]
+    pub values: Option<Vec<Toml>>,
+    /// The first end of a range.
+    #[serde(default)]
+    pub from: Option<Toml>,
+    /// The other end.
+    #[serde(default)]
+    pub to: Option<Toml>,
+    /// How many values from one end to the other.
+    #[serde(default)]
+    pub steps: Option<u32>,
+    /// How values are spread over the range instead.
+    #[serde(default)]
+    pub spread: Option<Spread>,
+    /// Whether the values are even in their logarithm.
+    #[serde(default)]
+    pub logarithmic: bool,
+}
+
+/// How the values of a parameter are spread over its range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Spread {
+    /// A Latin hypercube over the campaign's points.
+    LatinHypercube,
+    /// An Owen-scrambled Sobol sequence over the campaign's points.
+    Sobol,
+    /// A value for each seed, drawn from the seed and the key.
+    Seed,
+}
+
+/// What the report shows first.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReportTable {
+    /// The measure by which runs are compared and the worst ones are chosen.
+    #[serde(default)]
+    pub measure: Option<String>,
+    /// Which of its values are better.
+    #[serde(default)]
+    pub better: Better,
+}
+
+/// Which values of a measure are better.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Better {
+    /// The smaller ones.
+    #[default]
+    Less,
+    /// The larger ones.
+    More,
+}
+
+impl CampaignFile {
+    /// A campaign of one mission.
+    #[must_use]
+    pub fn of_mission(mission: PathBuf, seeds: Seeds) -> Self {
+        Self {
+            missions: vec![mission],
+            seeds,
+            points: None,
+            set: Table::new(),
+            variants: Vec::new(),
+            parameters: Vec::new(),
+            faults: None,
+            report: ReportTable::default(),
+        }
+    }
+
+    /// Reads a campaign's file.
+    ///
+    /// # Errors
+    ///
+    /// [`CampaignError`] with the file, and the line or the key.
+    pub fn read(path: &Path) -> Result<Self, CampaignError> {
+        let text = std::fs::read_to_string(path).map_err(|source| CampaignError::file(path, source))?;
+        let file: Self = toml::from_str(&text).map_err(|error| CampaignError::Toml {
+            path: path.to_path_buf(),
+            line: error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1),
+            message: backseat_mission::with_suggestion(&error.message().replace('\n', " ")),
+        })?;
+        file.check(path)?;
+        Ok(file)
+    }
+
+    fn check(&self, path: &Path) -> Result<(), CampaignError> {
+        let fault = |message: String| Err(CampaignError::value(path, message));
+        if self.missions.is_empty() {
+            return fault("missions is empty: expected at least one mission's folder".to_owned());
+        }
+        let mut names = BTreeSet::new();
+        for variant in &self.variants {
+            if variant.name.is_empty() || !names.insert(&variant.name) {
+                return fault(format!(
+                    "variant `{}`: expected a name that is not empty and not used twice",
+                    variant.name
+                ));
+            }
+        }
+        let mut keys = BTreeSet::new();
+        for parameter in &self.parameters {
+            if !keys.insert(parameter.key.as_str()) {
+                return fault(format!("parameter `{}` is given twice", parameter.key));
+            }
+        }
+        for (within, key) in self.variants.iter().flat_map(|variant| {
+            flat(&variant.set)
+                .into_iter()
+                .map(move |(key, _)| (variant.name.as_str(), key))
+        }) {
+            if keys.contains(key.as_str()) {
+                return fault(format!("variant `{within}` sets `{key}`, which is a parameter too"));
+            }
+        }
+        if let Some(faults) = &self.faults {
+            faults.validate().map_err(|message| CampaignError::value(path, message))?;
+        }
+        Ok(())
+    }
+}
+
+impl ParameterTable {
+    /// # Errors
+    ///
+    /// In words, with the key.
+    pub(crate) fn resolve(&self) -> Result<Parameter, String> {
+        let key = self.key.clone();
+        let fault = |message: &str| format!("parameter `{key}`: {message}");
+        let source = match (&self.values, &self.from, &self.to) {
+            (Some(values), None, None) if self.steps.is_none() && self.spread.is_none() && !self.logarithmic => {
+                if values.is_empty() {
+                    return Err(fault("values is empty: expected at least one value"));
+                }
+                Source::Listed(values.iter().map(Value::of).collect())
+            }
+            (None, Some(from), Some(to)) => {
+                let ends = ends(from, to, self.logarithmic).map_err(|message| fault(&message))?;
+                match (self.steps, self.spread) {
+                    (Some(steps), None) if steps >= 2 => Source::Listed(ends.steps(steps)),
+                    (Some(steps), None) => {
+                        return Err(fault(&format!("steps is {steps}: expected 2 or more")));
+                    }
+                    (None, Some(Spread::LatinHypercube)) => Source::Latin(ends),
+                    (None, Some(Spread::Sobol)) => Source::Sobol(ends),
+                    (None, Some(Spread::Seed)) => Source::Seed(ends),
+                    (Some(_), Some(_)) | (None, None) => {
+                        return Err(fault(
+                            "expected either steps = N, or spread = \"latin-hypercube\", \"sobol\" or \"seed\"",
+                        ));
+                    }
+                }
+            }
+            _ => {
+                return Err(fault(
+                    "expected either values = [...], or from and to with steps or spread",
+                ));
+            }
+        };
+        Ok(Parameter { key, source })
+    }
+}
+
+fn ends(from: &Toml, to: &Toml, logarithmic: bool) -> Result<Ends, String> {
+    let number = |value: &Toml| match value {
+        Toml::Integer(value) => Some(*value as f64),
+        Toml::Float(value) if value.is_finite() => Some(*value),
+        _ => None,
+    };
+    let (Some(low), Some(high)) = (number(from), number(to)) else {
+        return Err("from and to: expected two finite numbers".to_owned());
+    };
+    if low >= high {
+        return Err(format!("from is {low} and to is {high}: expected from below to"));
+    }
+    match (from, to, logarithmic) {
+        (_, _, true) if low <= 0.0 => Err(format!("from is {low}: a logarithmic range begins above 0")),
+        (_, _, true) => Ok(Ends::Logarithmic(low, high)),
+        (Toml::Integer(from), Toml::Integer(to), false) => Ok(Ends::Integers(*from, *to)),
+        _ => Ok(Ends::Numbers(low, high)),
+    }
+}
+
+/// The keys of a table joined by dots, with their values: `{a.b = 1}` and `{"a.b" = 1}` are the same.
+pub(crate) fn flat(table: &Table) -> Vec<(String, Toml)> {
+    let mut all = Vec::new();
+    for (key, value) in table {
+        match value {
+            Toml::Table(inner) if !inner.is_empty() => {
+                all.extend(flat(inner).into_iter().map(|(name, value)| (format!("{key}.{name}"), value)));
+            }
+            value => all.push((key.clone(), value.clone())),
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<CampaignFile, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("campaign.toml");
+        std::fs::write(&path, text).unwrap();
+        CampaignFile::read(&path).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_campaign_has_missions_seeds_variants_and_parameters() {
+        let file = read(
+            "missions = [\"../isobath\"]\nseeds = \"1..1000\"\npoints = 16\n[set]\nlimits.speed_max_mps = 1.8\n\
+             [[variant]]\nname = \"old\"\nset = { \"plugin.isobath.component\" = \"isobath-old\" }\n\
+             [[variant]]\nname = \"new\"\n\
+             [[parameter]]\nkey = \"world.current.speed_mps\"\nvalues = [0.0, [0.1, 0.2]]\n\
+             [[parameter]]\nkey = \"plugin.isobath.config.speed_mps\"\nfrom = 1.0\nto = 2.0\nspread = \"sobol\"\n\
+             [faults]\ncount = [3, 9]\nfrom_s = 30\nuntil_s = 800\n[report]\nmeasure = \"contour_rms_m\"\n",
+        )
+        .unwrap();
+        assert_eq!(file.seeds.count(), 1000);
+        assert_eq!(flat(&file.set)[0].0, "limits.speed_max_mps");
+        assert_eq!(flat(&file.variants[0].set)[0].0, "plugin.isobath.component");
+        let parameter = file.parameters[0].resolve().unwrap();
+        let Source::Listed(values) = parameter.source else { panic!("{parameter:?}") };
+        assert_eq!(values[1].to_string(), "[0.1, 0.2]");
+        assert_eq!(
+            file.parameters[1].resolve().unwrap().source,
+            Source::Sobol(Ends::Numbers(1.0, 2.0))
+        );
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_in_a_line() {
+        let head = "missions = [\"m\"]\nseeds = \"1..3\"\n";
+        for (text, expected) in [
+            ("missions = [\"m\"]\nseedz = \"1..3\"\n", "campaign.toml:2: unknown field `seedz`"),
+            ("missions = []\nseeds = \"1\"\n", "missions is empty"),
+            ("missions = [\"m\"]\nseeds = \"3..1\"\n", "campaign.toml:2: `3..1`: the range is empty"),
+            (
+                &format!("{head}[[variant]]\nname = \"a\"\n[[variant]]\nname = \"a\"\n"),
+                "variant `a`: expected a name that is not empty and not used twice",
+            ),
+            (
+                &format!("{head}[[variant]]\nname = \"a\"\nset = {{ k.x = 1 }}\n[[parameter]]\nkey = \"k.x\"\nvalues = [1]\n"),
+                "variant `a` sets `k.x`, which is a parameter too",
+            ),
+        ] {
+            let error = read(text).unwrap_err();
+            assert!(error.contains(expected) && !error.contains('\n'), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_parameter_is_a_list_or_a_range() {
+        let resolve = |text: &str| {
+            let table: ParameterTable = toml::from_str(&format!("key = \"k\"\n{text}")).unwrap();
+            table.resolve().map(|parameter| parameter.source)
+        };
+        assert_eq!(
+            resolve("from = 1\nto = 3\nspread = \"seed\""),
+            Ok(Source::Seed(Ends::Integers(1, 3)))
+        );
+        for (text, expected) in [
+            ("values = []", "values is empty"),
+            ("from = 1\nto = 1\nsteps = 3", "expected from below to"),
+            ("from = 1\nto = 2", "expected either steps = N"),
+            ("from = 1\nto = 2\nsteps = 1", "steps is 1: expected 2 or more"),
+            ("from = \"a\"\nto = 2\nsteps = 2", "two finite numbers"),
+            ("from = 0.0\nto = 2.0\nsteps = 2\nlogarithmic = true", "begins above 0"),
+            ("values = [1]\nfrom = 2", "expected either values"),
+            ("", "expected either values"),
+        ] {
+            let error = resolve(text).unwrap_err();
+            assert!(error.starts_with("parameter `k`: ") && error.contains(expected), "{error}");
+        }
+    }
+}

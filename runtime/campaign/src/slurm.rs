@@ -1,0 +1,97 @@
+use std::path::Path;
+
+use crate::plan::word;
+use crate::shard::Shard;
+
+/// A job of the Slurm workload manager that flies a campaign as an array of shards, and merges them when all are done.
+#[derive(Clone, Debug)]
+pub struct Slurm<'a> {
+    /// The program, on a path that every node has.
+    pub program: &'a Path,
+    /// The arguments of `backseat campaign` that the shards get, without `--shard`, `--out` and `--stop-after`.
+    pub arguments: &'a [String],
+    /// The results folder, on a path that every node has.
+    pub out: &'a Path,
+    /// How many shards there are.
+    pub shards: u64,
+    /// The cores of a task.
+    pub cores: u32,
+    /// The time that a task may take, minutes.
+    pub minutes: u64,
+    /// Further lines for `#SBATCH`, such as `--partition=short`.
+    pub options: &'a [String],
+}
+
+/// A task is told to stop this long before its time is over, seconds.
+const STOP_BEFORE_S: u64 = 60;
+
+impl Slurm<'_> {
+    /// The script of the array job. A task flies a shard. If its time is over, or its node is taken away, it goes on as
+    /// the same task.
+    #[must_use]
+    pub fn array_script(&self) -> String {
+        let out = word(&self.out.display().to_string());
+        let mut text = String::from("#!/bin/bash\n");
+        for option in [
+            "--job-name=campaign".to_owned(),
+            format!("--array=1-{}", self.shards),
+            format!("--cpus-per-task={}", self.cores),
+            format!("--time={}", self.minutes),
+            "--requeue".to_owned(),
+            // Slurm appends to the output of a task that goes on.
+            "--open-mode=append".to_owned(),
+            format!("--signal=TERM@{STOP_BEFORE_S}"),
+            format!("--output={}/slurm/%A_%a.txt", self.out.display()),
+        ]
+        .iter()
+        .chain(self.options)
+        {
+            text.push_str(&format!("#SBATCH {option}\n"));
+        }
+        text.push_str(&format!(
+            "\n# Each task flies one shard. Exit code {STOPPED} means that it was stopped before its end: it goes on in the next turn.\n\
+             srun --ntasks=1 {} campaign {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --out {out} --workers {}\n\
+             code=$?\n\
+             if [ $code -eq {STOPPED} ]; then\n    scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\"\n    exit 0\nfi\n\
+             exit $code\n",
+            word(&self.program.display().to_string()),
+            self.arguments.iter().map(|argument| word(argument)).collect::<Vec<_>>().join(" "),
+            self.shards,
+            self.cores,
+        ));
+        text
+    }
+
+    /// The script of the job that merges the shards and writes the report.
+    #[must_use]
+    pub fn merge_script(&self) -> String {
+        let out = word(&self.out.display().to_string());
+        let mut text = String::from("#!/bin/bash\n");
+        for option in [
+            "--job-name=campaign-merge".to_owned(),
+            "--cpus-per-task=1".to_owned(),
+            "--time=60".to_owned(),
+            format!("--output={}/slurm/merge.txt", self.out.display()),
+        ]
+        .iter()
+        .chain(self.options)
+        {
+            text.push_str(&format!("#SBATCH {option}\n"));
+        }
+        text.push_str(&format!(
+            "\nexec {} campaign merge {out}\n",
+            word(&self.program.display().to_string())
+        ));
+        text
+    }
+
+    /// The shards that the tasks fly.
+    pub fn tasks(&self) -> impl Iterator<Item = Shard> {
+        let count = self.shards;
+        (1..=count).filter_map(move |index| format!("{index}/{count}").parse().ok())
+    }
+}
+
+/// The exit code of a campaign that was stopped before its end and goes on with the same command: EX_TEMPFAIL of
+/// `sysexits.h`.
+pub(crate) const STOPPED: u8 = 75;

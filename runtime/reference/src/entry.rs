@@ -32,6 +32,8 @@ pub enum Kind {
     Strings,
     /// A list of words from [`Entry::values`].
     Choices,
+    /// A list of any values.
+    Values,
     /// A table.
     Table,
     /// A list of tables: `[[name]]`.
@@ -58,6 +60,7 @@ impl Kind {
             Self::Integers => "list of whole numbers",
             Self::Strings => "list of texts",
             Self::Choices => "list of the words below",
+            Self::Values => "list of values",
             Self::Table => "table",
             Self::Tables => "list of tables",
             Self::Free => "table",

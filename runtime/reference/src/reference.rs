@@ -34,6 +34,7 @@ pub static REFERENCES: LazyLock<Vec<Reference>> = LazyLock::new(|| {
         include_str!("../keys/script.toml"),
         include_str!("../keys/fence.toml"),
         include_str!("../keys/report.toml"),
+        include_str!("../keys/campaign.toml"),
     ]
     .into_iter()
     .map(|text| toml::from_str(text).expect("the tables of this crate are read by its tests"))

@@ -97,6 +97,7 @@ fn held(reference: &Reference, entry: &Entry) -> Map<String, Value> {
         }
         Kind::Table => table(reference, &entry.key),
         Kind::Tables => object(json!({ "type": "array", "items": table(reference, &entry.key) })),
+        Kind::Values => object(json!({ "type": "array" })),
         Kind::Free => object(json!({ "type": "object" })),
     }
 }

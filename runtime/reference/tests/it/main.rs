@@ -1,5 +1,6 @@
 //! The tables against the code that reads the files.
 
+mod campaign;
 mod document;
 mod faults;
 mod fence;

@@ -135,12 +135,30 @@ impl CampaignArguments {
             file.seeds = seeds.clone();
         }
         let plan = Plan::new(&file, path, &folder, &self.set)?;
-        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+        let folder = if folder.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            &folder
+        };
         Ok(Given {
             plan,
             text,
             folder: std::path::absolute(folder).with_context(|| folder.display().to_string())?,
         })
+    }
+
+    /// Reads everything that the campaign needs once, and opens its results folder.
+    fn open(&self, given: &Given) -> Result<(Crew, Folder)> {
+        let crew = Crew::new(host_with(!self.no_cache)?, self.plugins.clone());
+        let sources = Sources {
+            campaign: &given.text,
+            seeds: self.seeds.as_ref(),
+            set: &self.set,
+            folder: &given.folder,
+        };
+        let manifest = Manifest::new(&given.plan, &crew, &sources, env!("CARGO_PKG_VERSION"))?;
+        let folder = Folder::create(&self.out, &manifest)?;
+        Ok((crew, folder))
     }
 
     fn workers(&self) -> usize {
@@ -155,15 +173,7 @@ fn run(arguments: &CampaignArguments) -> Result<u8> {
     if std::env::vars_os().any(|(name, _)| name.to_string_lossy().starts_with("BACKSEAT__")) {
         warn!("a campaign does not read BACKSEAT__ variables: give keys in its file or with --set");
     }
-    let crew = Crew::new(host_with(!arguments.no_cache)?, arguments.plugins.clone());
-    let sources = Sources {
-        campaign: &given.text,
-        seeds: arguments.seeds.as_ref(),
-        set: &arguments.set,
-        folder: &given.folder,
-    };
-    let manifest = Manifest::new(plan, &crew, &sources, env!("CARGO_PKG_VERSION"))?;
-    let folder = Folder::create(&arguments.out, &manifest)?;
+    let (crew, folder) = arguments.open(&given)?;
     warn_beyond(plan, &crew)?;
     let stop = Arc::new(Stop::default());
     stop_at_signals(&stop)?;
@@ -181,9 +191,7 @@ fn run(arguments: &CampaignArguments) -> Result<u8> {
     let mut screen = Screen::new(arguments.json);
     let ended = fly(&order, &stop, |progress| screen.show(progress))?;
     screen.end(&ended.progress);
-    let Progress {
-        runs, before, now, ..
-    } = ended.progress;
+    let Progress { runs, before, now, .. } = ended.progress;
     if ended.stopped {
         tell(&format!(
             "stopped after {} of {runs} runs: the same command goes on",
@@ -194,12 +202,18 @@ fn run(arguments: &CampaignArguments) -> Result<u8> {
     if arguments.shard.is_some() {
         let left = pending(plan, &folder)?;
         let next = if left == 0 {
-            format!("the campaign is whole: `backseat campaign merge {}`", arguments.out.display())
+            format!(
+                "the campaign is whole: `backseat campaign merge {}`",
+                arguments.out.display()
+            )
         } else {
             format!("{left} runs of other shards are not flown yet")
         };
         if arguments.json {
-            say!("{}", serde_json::json!({ "shard": shard.to_string(), "runs": runs, "flown_now": now, "left": left }));
+            say!(
+                "{}",
+                serde_json::json!({ "shard": shard.to_string(), "runs": runs, "flown_now": now, "left": left })
+            );
         } else {
             say!("shard {shard}: {runs} runs flown; {next}");
         }
@@ -242,10 +256,16 @@ fn warn_beyond(plan: &Plan, crew: &Crew) -> Result<()> {
     let mut told = std::collections::BTreeSet::new();
     let per_mission = plan.runs() / plan.missions() as u64;
     for place in 0..plan.missions() as u64 {
-        let Some(key) = plan.key(place * per_mission) else { continue };
+        let Some(key) = plan.key(place * per_mission) else {
+            continue;
+        };
         // A mission that cannot be flown at this point has been reported, or is a row.
-        let Ok(prepared) = crew.prepare(plan, &key) else { continue };
-        let Ok(simulation) = prepared.simulation(key.seed) else { continue };
+        let Ok(prepared) = crew.prepare(plan, &key) else {
+            continue;
+        };
+        let Ok(simulation) = prepared.simulation(key.seed) else {
+            continue;
+        };
         let (mission, scenario) = (&prepared.mission, &prepared.scenario);
         let mut lines = beyond_vehicle(mission, scenario);
         lines.extend(beyond_limits(mission, scenario, simulation.world()));
@@ -290,7 +310,11 @@ struct Screen {
 
 impl Screen {
     fn new(quiet: bool) -> Self {
-        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
+        let bar = if quiet {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(0)
+        };
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {per_sec}, {eta} left{msg}") {
             bar.set_style(style);
         }

@@ -42,7 +42,9 @@ fn failed(error: impl std::fmt::Display) -> ReportError {
 /// How often values occur, in each series; all series have the same bins.
 pub(crate) fn distributions(title: &str, series: &[Series<'_, f64>]) -> Result<Option<String>, ReportError> {
     let all = series.iter().flat_map(|series| series.values.iter().copied());
-    let Some((least, most)) = ends(all) else { return Ok(None) };
+    let Some((least, most)) = ends(all) else {
+        return Ok(None);
+    };
     let longest = series.iter().map(|series| series.values.len()).max().unwrap_or(0);
     let bins = ((longest as f64).sqrt() as usize).clamp(8, 50);
     let (from, to) = if least < most {
@@ -120,7 +122,9 @@ pub(crate) fn scatter(
 ) -> Result<Option<String>, ReportError> {
     let xs = ends(series.iter().flat_map(|series| series.values.iter().map(|at| at.0)));
     let ys = ends(series.iter().flat_map(|series| series.values.iter().map(|at| at.1)));
-    let (Some(xs), Some(ys)) = (xs, ys) else { return Ok(None) };
+    let (Some(xs), Some(ys)) = (xs, ys) else {
+        return Ok(None);
+    };
     let (xs, ys) = (roomy(xs), roomy(ys));
     let mut text = String::new();
     {
@@ -143,7 +147,10 @@ pub(crate) fn scatter(
             .draw()
             .map_err(failed)?;
         for (place, series) in series.iter().enumerate() {
-            let points = series.values.iter().map(|at| Circle::new(*at, 2, color(place).mix(0.6).filled()));
+            let points = series
+                .values
+                .iter()
+                .map(|at| Circle::new(*at, 2, color(place).mix(0.6).filled()));
             chart.draw_series(points).map_err(failed)?;
         }
         root.present().map_err(failed)?;
@@ -194,7 +201,9 @@ pub(crate) fn tracks(rings: &[Ring], series: &[Series<'_, Vec<EastNorth>>]) -> R
     };
     let easts = ends(points().map(|at| at.east_m));
     let norths = ends(points().map(|at| at.north_m));
-    let (Some(easts), Some(norths)) = (easts, norths) else { return Ok(None) };
+    let (Some(easts), Some(norths)) = (easts, norths) else {
+        return Ok(None);
+    };
     let (easts, norths) = (roomy(easts), roomy(norths));
     const WIDTH: u32 = 900;
     const BESIDE: f64 = 90.0;
@@ -271,7 +280,11 @@ fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 
 /// The ends with some room beside them.
 fn roomy((least, most): (f64, f64)) -> (f64, f64) {
-    let room = if least < most { 0.04 * (most - least) } else { 0.5 * least.abs().max(1.0) };
+    let room = if least < most {
+        0.04 * (most - least)
+    } else {
+        0.5 * least.abs().max(1.0)
+    };
     (least - room, most + room)
 }
 
@@ -283,10 +296,16 @@ mod tests {
     fn charts_are_drawn_of_anything_finite() {
         for values in [vec![], vec![1.0], vec![1.0, 1.0], vec![-1e9, 1e9], vec![0.0, 1e-12]] {
             let pairs: Vec<(f64, f64)> = values.iter().map(|value| (*value, *value)).collect();
-            let series = [Series { name: "a", values: values.clone() }];
+            let series = [Series {
+                name: "a",
+                values: values.clone(),
+            }];
             let drawn = distributions("m", &series).unwrap();
             assert_eq!(drawn.is_none(), values.is_empty());
-            let series = [Series { name: "a", values: pairs }];
+            let series = [Series {
+                name: "a",
+                values: pairs,
+            }];
             assert_eq!(scatter("p", "m", &series).unwrap().is_none(), values.is_empty());
         }
         assert!(bars("share", &[("<a>".to_owned(), 0.5)]).unwrap().contains("&lt;a&gt;"));

@@ -198,6 +198,9 @@ mod tests {
 
     #[test]
     fn few_pairs_say_nothing() {
-        assert_eq!(compared([noise(4, "a"), noise(4, "b")].concat()).verdict(), Verdict::TooFew);
+        assert_eq!(
+            compared([noise(4, "a"), noise(4, "b")].concat()).verdict(),
+            Verdict::TooFew
+        );
     }
 }

@@ -3,10 +3,13 @@ pub(crate) fn figure(value: f64) -> String {
     let size = value.abs();
     let text = if size == 0.0 {
         "0".to_owned()
-    } else if size >= 1e7 || size < 1e-4 {
+    } else if !(1e-4..1e7).contains(&size) {
         format!("{value:.2e}")
     } else {
-        let digits = [1000.0, 100.0, 10.0, 1.0, 0.1, 0.01].iter().filter(|step| size < **step).count();
+        let digits = [1000.0, 100.0, 10.0, 1.0, 0.1, 0.01]
+            .iter()
+            .filter(|step| size < **step)
+            .count();
         format!("{value:.digits$}")
     };
     if text.contains('.') && !text.contains('e') {

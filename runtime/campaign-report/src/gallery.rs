@@ -12,6 +12,8 @@ use crate::worst::worst;
 const PICTURES: usize = 6;
 /// The most tracks of an arm on the map.
 const TRACKS: u64 = 24;
+/// The fewest tracks of an arm.
+const TRACKS_LEAST: u64 = 2;
 /// One picture and one track of each arm is drawn for so many runs, so that the report takes a small part of a
 /// campaign's time.
 const RUNS_OF_PICTURE: u64 = 100;
@@ -38,7 +40,9 @@ impl Gallery {
         let mut gallery = Self::default();
         for worst in worst(outcomes, pictures as usize) {
             let Some(key) = plan.key(worst.run) else { continue };
-            gallery.runs.extend(picture(plan, crew, &key).map(|svg| (worst.run, svg)));
+            gallery
+                .runs
+                .extend(picture(plan, crew, &key).map(|svg| (worst.run, svg)));
         }
         let per_mission = outcomes.arms.len() / plan.missions().max(1);
         for arms in outcomes.arms.chunks(per_mission.max(1)) {
@@ -46,12 +50,16 @@ impl Gallery {
             let mut series = Vec::new();
             let mut name = String::new();
             for arm in arms {
-                let count = (arm.runs / RUNS_OF_PICTURE).clamp(1, TRACKS);
+                let count = (arm.runs / RUNS_OF_PICTURE).clamp(TRACKS_LEAST, TRACKS).min(arm.runs);
                 let mut drawn = Vec::new();
                 for place in 0..count {
                     let run = arm.first + place * arm.runs / count;
-                    let Some(key) = plan.key(run).filter(|_| outcomes.flown[run as usize]) else { continue };
-                    let Some((prepared, track)) = track(plan, crew, &key) else { continue };
+                    let Some(key) = plan.key(run).filter(|_| outcomes.flown[run as usize]) else {
+                        continue;
+                    };
+                    let Some((prepared, track)) = track(plan, crew, &key) else {
+                        continue;
+                    };
                     drawn.push(track);
                     if rings.is_empty() {
                         rings = rings_of(&prepared);

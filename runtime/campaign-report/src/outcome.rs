@@ -107,7 +107,11 @@ impl Outcomes {
 
     /// The values of a measure in an arm, in ascending order.
     pub(crate) fn sorted(&self, arm: &Arm, measure: usize) -> Vec<f64> {
-        let mut values: Vec<f64> = self.measures[measure].1[self.range(arm)].iter().copied().flatten().collect();
+        let mut values: Vec<f64> = self.measures[measure].1[self.range(arm)]
+            .iter()
+            .copied()
+            .flatten()
+            .collect();
         values.sort_by(f64::total_cmp);
         values
     }
@@ -117,12 +121,18 @@ impl Values {
     fn of(column: Option<Column>) -> Self {
         match column {
             Some(Column::Number(values)) => Self::Numbers(values),
-            Some(Column::Integer(values)) => {
-                Self::Numbers(values.into_iter().map(|value| value.map(|value| value as f64)).collect())
-            }
-            Some(Column::Natural(values)) => {
-                Self::Numbers(values.into_iter().map(|value| value.map(|value| value as f64)).collect())
-            }
+            Some(Column::Integer(values)) => Self::Numbers(
+                values
+                    .into_iter()
+                    .map(|value| value.map(|value| value as f64))
+                    .collect(),
+            ),
+            Some(Column::Natural(values)) => Self::Numbers(
+                values
+                    .into_iter()
+                    .map(|value| value.map(|value| value as f64))
+                    .collect(),
+            ),
             Some(Column::Boolean(values)) => Self::texts(values.into_iter().map(|value| value == Some(true))),
             Some(Column::Text(values)) => Self::texts(values.into_iter().map(Option::unwrap_or_default)),
             None => Self::Numbers(Vec::new()),
@@ -144,10 +154,7 @@ impl Values {
     }
 }
 
-fn leading(
-    plan: &Plan,
-    measures: &[(String, Vec<Option<f64>>)],
-) -> Result<Option<(usize, Better)>, ReportError> {
+fn leading(plan: &Plan, measures: &[(String, Vec<Option<f64>>)]) -> Result<Option<(usize, Better)>, ReportError> {
     match plan.measure() {
         Some((name, better)) => match measures.iter().position(|(measure, _)| measure == name) {
             Some(place) => Ok(Some((place, better))),
@@ -155,7 +162,11 @@ fn leading(
             None if measures.is_empty() => Ok(None),
             None => Err(ReportError::Measure {
                 measure: name.to_owned(),
-                known: measures.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", "),
+                known: measures
+                    .iter()
+                    .map(|(name, _)| name.as_str())
+                    .collect::<Vec<_>>()
+                    .join(", "),
             }),
         },
         None => Ok(measures

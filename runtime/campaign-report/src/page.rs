@@ -1,4 +1,5 @@
 use backseat_campaign::{Column, Folder, Plan, RUNS, read_columns};
+use backseat_oracle::{Bound, Margin};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::ReportError;
@@ -18,7 +19,7 @@ body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto
 h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
 p.dim, .dim { color: var(--dim); } .bad { color: var(--bad); font-weight: 600; }
 table { border-collapse: collapse; margin: .5rem 0; } th, td { padding: .2rem .8rem .2rem 0; text-align: right; }
-th { border-bottom: 1px solid var(--line); font-weight: 600; } th:first-child, td:first-child, td.text { text-align: left; }
+th { border-bottom: 1px solid var(--line); font-weight: 600; } th:first-child, td:first-child, td.text, th.text { text-align: left; }
 figure { margin: 1rem 0; background: #fff; color: #000; border: 1px solid var(--line); border-radius: 6px; padding: .5rem; display: inline-block; max-width: 100%; }
 figure svg { max-width: 100%; height: auto; } figcaption { font-size: .9rem; padding: .2rem .5rem; }
 code { font-size: .85rem; overflow-wrap: anywhere; } details { margin: .5rem 0; } .wide { overflow-x: auto; }
@@ -36,7 +37,12 @@ const REASONS: usize = 10;
 /// [`ReportError`] if the results cannot be read or a chart cannot be drawn.
 pub fn page(folder: &Folder, plan: &Plan, outcomes: &Outcomes, gallery: &Gallery) -> Result<String, ReportError> {
     let manifest = folder.manifest()?;
-    let title = outcomes.arms.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join(" / ");
+    let title = outcomes
+        .arms
+        .iter()
+        .map(|arm| arm.name.as_str())
+        .collect::<Vec<_>>()
+        .join(" / ");
     let (leading, others): (Vec<usize>, Vec<usize>) =
         (0..outcomes.measures.len()).partition(|measure| outcomes.leading.is_some_and(|(first, _)| first == *measure));
     let (margins, measures): (Vec<usize>, Vec<usize>) = others
@@ -46,9 +52,10 @@ pub fn page(folder: &Folder, plan: &Plan, outcomes: &Outcomes, gallery: &Gallery
     let body = html! {
         h1 { "Campaign: " (title) }
         p.dim {
-            (plan.runs()) " runs: " (plan.missions()) " missions, " (outcomes.arms.len() / plan.missions().max(1))
-            " variants, " (plan.points()) " points, " (plan.runs_of_point()) " seeds each. backseat " (manifest.version)
-            ", campaign " (manifest.identity()[..12])
+            (counted(plan.runs(), "run")) ": " (counted(plan.missions() as u64, "mission")) " x "
+            (counted((outcomes.arms.len() / plan.missions().max(1)) as u64, "variant")) " x "
+            (counted(plan.points(), "point")) " x " (counted(plan.runs_of_point(), "seed")) ". backseat "
+            (manifest.version) ", campaign " (manifest.identity()[..12])
             @if let Some(faults) = plan.faults() { ", drawn faults " (faults) }
         }
         h2 { "How many runs passed" }
@@ -91,6 +98,12 @@ pub fn page(folder: &Folder, plan: &Plan, outcomes: &Outcomes, gallery: &Gallery
         }
     }
     .into_string())
+}
+
+/// `1 run` or `2 runs`.
+fn counted(count: u64, what: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{plural}")
 }
 
 fn rates(outcomes: &Outcomes) -> Markup {
@@ -152,7 +165,7 @@ fn comparisons(outcomes: &Outcomes, measures: &[usize]) -> Markup {
             "hold 0 and the sign test finds p < 0.05. With many measures, one in twenty differs by chance."
         }
         div.wide { table {
-            tr { th { "measure" } th { "other" } th { "mean difference" } th { "95 % interval" } th { "smaller" } th { "larger" } th { "pairs" } th { "sign test" } th { "verdict" } }
+            tr { th { "measure" } th.text { "other" } th { "mean difference" } th { "95 % interval" } th { "smaller" } th { "larger" } th { "pairs" } th { "sign test" } th.text { "verdict" } }
             @for measure in measures {
                 @for other in &outcomes.arms[1..] {
                     @if let Some(comparison) = Comparison::new(outcomes, first, other, *measure) {
@@ -186,7 +199,11 @@ fn comparison_row(comparison: &Comparison) -> Markup {
 
 fn distribution(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportError> {
     let name = &outcomes.measures[measure].0;
-    let sorted: Vec<(&Arm, Vec<f64>)> = outcomes.arms.iter().map(|arm| (arm, outcomes.sorted(arm, measure))).collect();
+    let sorted: Vec<(&Arm, Vec<f64>)> = outcomes
+        .arms
+        .iter()
+        .map(|arm| (arm, outcomes.sorted(arm, measure)))
+        .collect();
     let series: Vec<Series<'_, f64>> = sorted
         .iter()
         .map(|(arm, values)| Series {
@@ -218,7 +235,10 @@ fn sensitivity(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportErro
     if found.is_empty() {
         return Ok(html! { p { "No parameter varies, or the measure does not." } });
     }
-    let shares: Vec<(String, f64)> = found.iter().map(|found| (found.parameter.clone(), found.share)).collect();
+    let shares: Vec<(String, f64)> = found
+        .iter()
+        .map(|found| (found.parameter.clone(), found.share))
+        .collect();
     let chart = bars("share of the variance that the parameter explains", &shares)?;
     let mut scatters = Vec::new();
     for (name, values) in &outcomes.parameters {
@@ -297,15 +317,17 @@ fn worst_runs(folder: &Folder, outcomes: &Outcomes, gallery: &Gallery) -> Result
 
 fn margin_table(outcomes: &Outcomes, margins: &[usize]) -> Markup {
     html! {
-        p.dim { "The nearest figure of each run, metres or seconds; `margin of safety` in the architecture page has the words." }
+        p.dim {
+            "The figure of each run that came nearest. Where less is worse, look at the least; where more is worse, at the most."
+        }
         div.wide { table {
-            tr { th { "margin" } th { "variant" } th { "runs" } th { "least" } th { "1 %" } th { "median" } th { "99 %" } th { "most" } }
+            tr { th { "margin" } th.text { "variant" } th { "runs" } th { "least" } th { "1 %" } th { "median" } th { "99 %" } th { "most" } }
             @for margin in margins {
                 @for arm in &outcomes.arms {
                     @let values = outcomes.sorted(arm, *margin);
                     @if !values.is_empty() {
                         tr {
-                            td { (outcomes.measures[*margin].0.trim_start_matches("margin.")) } td.text { (arm.name) } td { (values.len()) }
+                            td { (margin_words(&outcomes.measures[*margin].0)) } td.text { (arm.name) } td { (values.len()) }
                             @for share in [0.0, 0.01, 0.5, 0.99, 1.0] { td { (figure(quantile(&values, share))) } }
                         }
                     }
@@ -313,4 +335,17 @@ fn margin_table(outcomes: &Outcomes, margins: &[usize]) -> Markup {
             }
         } }
     }
+}
+
+/// What a margin of safety is, with its unit and the side of it that is worse.
+fn margin_words(name: &str) -> String {
+    let short = name.trim_start_matches("margin.");
+    let Some(margin) = Margin::ALL.into_iter().find(|margin| margin.name() == short) else {
+        return short.to_owned();
+    };
+    let worse = match margin.bound() {
+        Bound::Most => "more",
+        Bound::Least => "less",
+    };
+    format!("{}, {} ({worse} is worse)", margin.title(), margin.unit())
 }

@@ -115,7 +115,10 @@ mod tests {
             measures: vec![("m".to_owned(), measure)],
             parameters: vec![
                 ("none".to_owned(), numbers(none)),
-                ("kind".to_owned(), Values::Texts(kinds, vec!["x".to_owned(), "y".to_owned()])),
+                (
+                    "kind".to_owned(),
+                    Values::Texts(kinds, vec!["x".to_owned(), "y".to_owned()]),
+                ),
                 ("weak".to_owned(), numbers(weak)),
                 ("strong".to_owned(), numbers(strong)),
             ],

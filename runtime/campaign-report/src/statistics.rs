@@ -62,7 +62,11 @@ pub(crate) fn bootstrap_mean(values: &[f64]) -> Interval {
     let n = values.len();
     let middle = mean(values);
     if n > MANY {
-        let variance = values.iter().map(|value| (value - middle) * (value - middle)).sum::<f64>() / (n - 1) as f64;
+        let variance = values
+            .iter()
+            .map(|value| (value - middle) * (value - middle))
+            .sum::<f64>()
+            / (n - 1) as f64;
         let half = Z * (variance / n as f64).sqrt();
         return Interval {
             low: middle - half,
@@ -141,7 +145,10 @@ pub(crate) fn explained(groups: &[Vec<f64>]) -> Option<f64> {
     for group in groups.iter().filter(|group| !group.is_empty()) {
         let middle = mean(group);
         between += group.len() as f64 * (middle - all) * (middle - all);
-        within += group.iter().map(|value| (value - middle) * (value - middle)).sum::<f64>();
+        within += group
+            .iter()
+            .map(|value| (value - middle) * (value - middle))
+            .sum::<f64>();
     }
     let total = between + within;
     let noise = within / (count - filled) as f64;

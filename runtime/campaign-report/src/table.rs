@@ -48,7 +48,10 @@ pub fn table(outcomes: &Outcomes) -> String {
     }
     if let [first, others @ ..] = &outcomes.arms[..] {
         for other in others {
-            text.push_str(&format!("\n{} compared with {}, pair by pair:\n", other.name, first.name));
+            text.push_str(&format!(
+                "\n{} compared with {}, pair by pair:\n",
+                other.name, first.name
+            ));
             for measure in shown() {
                 if let Some(comparison) = Comparison::new(outcomes, first, other, measure) {
                     text.push_str(&format!("  {}: {comparison}\n", words(&comparison.measure)));

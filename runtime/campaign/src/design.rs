@@ -72,8 +72,10 @@ impl Ends {
                 let steps = (share * count).min(count - 1.0) as u64;
                 Value::Integer(from.saturating_add_unsigned(steps))
             }
-            Self::Numbers(from, to) => Value::Number(from + (to - from) * share),
-            Self::Logarithmic(from, to) => Value::Number(exp(ln(from) + (ln(to) - ln(from)) * share).clamp(from, to)),
+            Self::Numbers(from, to) => Value::Number(short(from + (to - from) * share).clamp(from, to)),
+            Self::Logarithmic(from, to) => {
+                Value::Number(short(exp(ln(from) + (ln(to) - ln(from)) * share)).clamp(from, to))
+            }
         }
     }
 
@@ -95,6 +97,11 @@ impl Ends {
             })
             .collect()
     }
+}
+
+/// A number with six significant digits, so that people can read the command that flies a run alone.
+fn short(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 /// How a parameter gets its values.
@@ -152,7 +159,9 @@ impl Design {
             }
             (None, None) => 1,
         };
-        let sobol = parameters.iter().filter(|parameter| matches!(parameter.source, Source::Sobol(_)));
+        let sobol = parameters
+            .iter()
+            .filter(|parameter| matches!(parameter.source, Source::Sobol(_)));
         if sobol.count() > SOBOL_MAX {
             return Err(format!("more than {SOBOL_MAX} parameters with spread = \"sobol\""));
         }
@@ -296,7 +305,10 @@ mod tests {
         let design = Design::new(parameters.to_vec(), Some(50)).unwrap();
         let points: Vec<Vec<f64>> = (0..50).map(|point| numbers(&design.values(point, 9))).collect();
         for parameter in 0..2 {
-            let mut parts: Vec<u64> = points.iter().map(|point| ((point[parameter] - 10.0) * 5.0) as u64).collect();
+            let mut parts: Vec<u64> = points
+                .iter()
+                .map(|point| ((point[parameter] - 10.0) * 5.0) as u64)
+                .collect();
             parts.sort_unstable();
             assert_eq!(parts, (0..50).collect::<Vec<_>>());
         }
@@ -346,6 +358,7 @@ mod tests {
         );
         assert_eq!(Ends::Integers(1, 3).steps(3), [1, 2, 3].map(Value::Integer));
         assert_eq!(Ends::Logarithmic(0.1, 10.0).steps(3)[2], Value::Number(10.0));
+        assert_eq!(Ends::Numbers(0.0, 1.0).at(1.0 / 3.0), Value::Number(0.333_333));
         assert_eq!(Ends::Integers(1, 3).at(0.0), Value::Integer(1));
         assert_eq!(Ends::Integers(1, 3).at(0.999_999), Value::Integer(3));
     }

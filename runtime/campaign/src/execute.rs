@@ -139,7 +139,10 @@ pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> R
                 }
                 synced = now();
             }
-            if order.stop_after.is_some_and(|after| now().duration_since(begun) >= after) {
+            if order
+                .stop_after
+                .is_some_and(|after| now().duration_since(begun) >= after)
+            {
                 stop.set();
             }
         }
@@ -150,17 +153,15 @@ pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> R
     Ok(Ended { progress, stopped })
 }
 
-#[expect(clippy::disallowed_methods, reason = "how long runs take, which does not affect any of them")]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "how long runs take, which does not affect any of them"
+)]
 fn now() -> Instant {
     Instant::now()
 }
 
-fn work(
-    order: &Order<'_>,
-    stop: &Stop,
-    pending: &Mutex<Pending>,
-    rows: std::sync::mpsc::SyncSender<(u64, u64, Row)>,
-) {
+fn work(order: &Order<'_>, stop: &Stop, pending: &Mutex<Pending>, rows: std::sync::mpsc::SyncSender<(u64, u64, Row)>) {
     let per_seed = order.plan.is_drawn_from_seeds();
     let mut prepared: Option<(Key, Result<Prepared, CampaignError>)> = None;
     loop {
@@ -180,7 +181,9 @@ fn work(
                 Some((other, ready)) if same(&other) => ready,
                 _ => order.crew.prepare(order.plan, &key),
             };
-            let Some(row) = fly_row(&ready, order.plan, &key, stop) else { return };
+            let Some(row) = fly_row(&ready, order.plan, &key, stop) else {
+                return;
+            };
             prepared = Some((key, ready));
             let wall_ns = u64::try_from(now().duration_since(begun).as_nanos()).unwrap_or(u64::MAX);
             if rows.send((run, wall_ns, row)).is_err() {

@@ -134,7 +134,9 @@ impl CampaignFile {
         let text = std::fs::read_to_string(path).map_err(|source| CampaignError::file(path, source))?;
         let file: Self = toml::from_str(&text).map_err(|error| CampaignError::Toml {
             path: path.to_path_buf(),
-            line: error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1),
+            line: error
+                .span()
+                .map_or(1, |span| text[..span.start].matches('\n').count() + 1),
             message: backseat_mission::with_suggestion(&error.message().replace('\n', " ")),
         })?;
         file.check(path)?;
@@ -171,7 +173,9 @@ impl CampaignFile {
             }
         }
         if let Some(faults) = &self.faults {
-            faults.validate().map_err(|message| CampaignError::value(path, message))?;
+            faults
+                .validate()
+                .map_err(|message| CampaignError::value(path, message))?;
         }
         Ok(())
     }
@@ -221,8 +225,8 @@ impl ParameterTable {
 fn ends(from: &Toml, to: &Toml, logarithmic: bool) -> Result<Ends, String> {
     let number = |value: &Toml| match value {
         Toml::Integer(value) => Some(*value as f64),
-        Toml::Float(value) if value.is_finite() => Some(*value),
-        _ => None,
+        Toml::Float(value) => value.is_finite().then_some(*value),
+        Toml::String(_) | Toml::Boolean(_) | Toml::Datetime(_) | Toml::Array(_) | Toml::Table(_) => None,
     };
     let (Some(low), Some(high)) = (number(from), number(to)) else {
         return Err("from and to: expected two finite numbers".to_owned());
@@ -242,11 +246,11 @@ fn ends(from: &Toml, to: &Toml, logarithmic: bool) -> Result<Ends, String> {
 pub(crate) fn flat(table: &Table) -> Vec<(String, Toml)> {
     let mut all = Vec::new();
     for (key, value) in table {
-        match value {
-            Toml::Table(inner) if !inner.is_empty() => {
-                all.extend(flat(inner).into_iter().map(|(name, value)| (format!("{key}.{name}"), value)));
-            }
-            value => all.push((key.clone(), value.clone())),
+        if let Some(inner) = value.as_table().filter(|inner| !inner.is_empty()) {
+            let inner = flat(inner).into_iter();
+            all.extend(inner.map(|(name, value)| (format!("{key}.{name}"), value)));
+        } else {
+            all.push((key.clone(), value.clone()));
         }
     }
     all
@@ -278,7 +282,9 @@ mod tests {
         assert_eq!(flat(&file.set)[0].0, "limits.speed_max_mps");
         assert_eq!(flat(&file.variants[0].set)[0].0, "plugin.isobath.component");
         let parameter = file.parameters[0].resolve().unwrap();
-        let Source::Listed(values) = parameter.source else { panic!("{parameter:?}") };
+        let Source::Listed(values) = parameter.source else {
+            panic!("{parameter:?}")
+        };
         assert_eq!(values[1].to_string(), "[0.1, 0.2]");
         assert_eq!(
             file.parameters[1].resolve().unwrap().source,
@@ -290,15 +296,23 @@ mod tests {
     fn what_is_wrong_is_said_in_a_line() {
         let head = "missions = [\"m\"]\nseeds = \"1..3\"\n";
         for (text, expected) in [
-            ("missions = [\"m\"]\nseedz = \"1..3\"\n", "campaign.toml:2: unknown field `seedz`"),
+            (
+                "missions = [\"m\"]\nseedz = \"1..3\"\n",
+                "campaign.toml:2: unknown field `seedz`",
+            ),
             ("missions = []\nseeds = \"1\"\n", "missions is empty"),
-            ("missions = [\"m\"]\nseeds = \"3..1\"\n", "campaign.toml:2: `3..1`: the range is empty"),
+            (
+                "missions = [\"m\"]\nseeds = \"3..1\"\n",
+                "campaign.toml:2: `3..1`: the range is empty",
+            ),
             (
                 &format!("{head}[[variant]]\nname = \"a\"\n[[variant]]\nname = \"a\"\n"),
                 "variant `a`: expected a name that is not empty and not used twice",
             ),
             (
-                &format!("{head}[[variant]]\nname = \"a\"\nset = {{ k.x = 1 }}\n[[parameter]]\nkey = \"k.x\"\nvalues = [1]\n"),
+                &format!(
+                    "{head}[[variant]]\nname = \"a\"\nset = {{ k.x = 1 }}\n[[parameter]]\nkey = \"k.x\"\nvalues = [1]\n"
+                ),
                 "variant `a` sets `k.x`, which is a parameter too",
             ),
         ] {
@@ -328,7 +342,10 @@ mod tests {
             ("", "expected either values"),
         ] {
             let error = resolve(text).unwrap_err();
-            assert!(error.starts_with("parameter `k`: ") && error.contains(expected), "{error}");
+            assert!(
+                error.starts_with("parameter `k`: ") && error.contains(expected),
+                "{error}"
+            );
         }
     }
 }

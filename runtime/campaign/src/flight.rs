@@ -190,4 +190,3 @@ fn not_flown(plan: &Plan, key: &Key, reason: &str) -> Row {
     row.text("replay", &plan.replay(key));
     row
 }
-

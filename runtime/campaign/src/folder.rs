@@ -26,9 +26,14 @@ impl Folder {
     ///
     /// [`CampaignError::Folder`] if it has results of another campaign, or something that is no campaign's.
     pub fn create(path: &Path, manifest: &Manifest) -> Result<Self, CampaignError> {
-        let folder = Self { path: path.to_path_buf() };
+        let folder = Self {
+            path: path.to_path_buf(),
+        };
         if path.is_file() {
-            return Err(CampaignError::folder(path, "is a file: expected a folder for the results"));
+            return Err(CampaignError::folder(
+                path,
+                "is a file: expected a folder for the results",
+            ));
         }
         fs::create_dir_all(folder.journals()).map_err(|source| CampaignError::file(path, source))?;
         let file = folder.path.join(MANIFEST);
@@ -64,7 +69,9 @@ impl Folder {
     ///
     /// [`CampaignError::Folder`] if it has none.
     pub fn open(path: &Path) -> Result<Self, CampaignError> {
-        let folder = Self { path: path.to_path_buf() };
+        let folder = Self {
+            path: path.to_path_buf(),
+        };
         if path.join(MANIFEST).is_file() {
             return Ok(folder);
         }

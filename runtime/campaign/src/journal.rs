@@ -252,7 +252,9 @@ fn next(input: &mut impl Read, bytes: &mut Vec<u8>) -> io::Result<Option<Head>> 
     let head = match kind {
         0 => postcard::from_bytes(rest).ok().map(Head::Session),
         1 => postcard::from_bytes(rest).ok().map(Head::Column),
-        2 => postcard::take_from_bytes::<u64>(rest).ok().map(|(run, _)| Head::Row(run)),
+        2 => postcard::take_from_bytes::<u64>(rest)
+            .ok()
+            .map(|(run, _)| Head::Row(run)),
         _ => None,
     };
     Ok(head)
@@ -305,7 +307,9 @@ mod tests {
             let mut bytes = Vec::new();
             for place in &journal.rows {
                 let (wall_ns, cells) = journal.row(place, &mut bytes).unwrap();
-                let named = cells.iter().map(|(column, cell)| (journal.columns()[*column as usize].as_str(), cell));
+                let named = cells
+                    .iter()
+                    .map(|(column, cell)| (journal.columns()[*column as usize].as_str(), cell));
                 let numbers: Vec<_> = named.filter(|(name, _)| *name == "rms_m").collect();
                 assert_eq!(numbers, [("rms_m", &Cell::Number(place.run as f64))]);
                 assert_eq!(wall_ns, 7);

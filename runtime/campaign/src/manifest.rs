@@ -91,7 +91,11 @@ impl Manifest {
                 }
             }
             // Straight to the next variant if no point names a component.
-            run = if names_components { run + step } else { run + step * plan.points() };
+            run = if names_components {
+                run + step
+            } else {
+                run + step * plan.points()
+            };
         }
         Ok(Self {
             format: FORMAT,
@@ -143,20 +147,22 @@ impl Manifest {
             return None;
         }
         if self.version != other.version {
-            return Some(format!("backseat {} wrote it, and this is {}", self.version, other.version));
+            return Some(format!(
+                "backseat {} wrote it, and this is {}",
+                self.version, other.version
+            ));
         }
         let changed = |ours: &BTreeMap<String, String>, theirs: &BTreeMap<String, String>| {
             let keys = ours.keys().chain(theirs.keys());
             keys.into_iter().find(|key| ours.get(*key) != theirs.get(*key)).cloned()
         };
         if self.outline.missions != other.outline.missions {
-            return Some(format!(
-                "its missions are {}",
-                self.outline.missions.join(", ")
-            ));
+            return Some(format!("its missions are {}", self.outline.missions.join(", ")));
         }
         for (name, hashes) in &self.missions {
-            let Some(theirs) = other.missions.get(name) else { continue };
+            let Some(theirs) = other.missions.get(name) else {
+                continue;
+            };
             if hashes.mission != theirs.mission {
                 return Some(format!("mission.toml, the fence or the plan of {name} has changed"));
             }
@@ -226,8 +232,12 @@ fn usable_point(plan: &Plan, crew: &Crew, first: Key) -> Result<(), CampaignErro
     const TRIED: u64 = 32;
     let mut error = None;
     for point in 0..plan.points().min(TRIED) {
-        let Some(key) = plan.key(first.run + point * plan.runs_of_point()) else { break };
-        let tried = crew.prepare(plan, &key).and_then(|prepared| prepared.simulation(key.seed));
+        let Some(key) = plan.key(first.run + point * plan.runs_of_point()) else {
+            break;
+        };
+        let tried = crew
+            .prepare(plan, &key)
+            .and_then(|prepared| prepared.simulation(key.seed));
         match tried {
             Ok(_) => return Ok(()),
             Err(failed) => error = error.or(Some(failed)),

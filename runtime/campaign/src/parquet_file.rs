@@ -245,11 +245,12 @@ fn schema(sheet: &Sheet) -> Result<TypePtr, ParquetError> {
 }
 
 fn failed(path: &Path, error: ParquetError) -> CampaignError {
-    let source = match error {
-        ParquetError::External(source) => source
+    let source = if let ParquetError::External(source) = error {
+        source
             .downcast::<io::Error>()
-            .map_or_else(io::Error::other, |source| *source),
-        error => io::Error::other(error),
+            .map_or_else(io::Error::other, |source| *source)
+    } else {
+        io::Error::other(error)
     };
     CampaignError::file(path, source)
 }
@@ -303,11 +304,7 @@ fn open(path: &Path) -> Result<SerializedFileReader<File>, CampaignError> {
     SerializedFileReader::new(file).map_err(|error| failed(path, error))
 }
 
-fn read_column(
-    reader: &SerializedFileReader<File>,
-    place: usize,
-    kind: ColumnKind,
-) -> Result<Column, ParquetError> {
+fn read_column(reader: &SerializedFileReader<File>, place: usize, kind: ColumnKind) -> Result<Column, ParquetError> {
     let mut column = match kind {
         ColumnKind::Boolean => Column::Boolean(Vec::new()),
         ColumnKind::Integer => Column::Integer(Vec::new()),
@@ -325,7 +322,11 @@ fn read_column(
                 let mut reader = $reader;
                 reader.read_records(rows, Some(&mut levels), None, &mut values)?;
                 let mut values = values.into_iter().map($convert);
-                $all.extend(levels.iter().map(|level| if *level > 0 { values.next() } else { None }));
+                $all.extend(
+                    levels
+                        .iter()
+                        .map(|level| if *level > 0 { values.next() } else { None }),
+                );
             }};
         }
         match (&mut column, source) {
@@ -374,7 +375,11 @@ mod tests {
                     Some(Cell::Integer(run)),
                     Some(Cell::Natural(u64::MAX - run.cast_unsigned())),
                     odd.then_some(Cell::Boolean(true)),
-                    if odd { Some(Cell::Integer(run)) } else { Some(Cell::Number(0.5)) },
+                    if odd {
+                        Some(Cell::Integer(run))
+                    } else {
+                        Some(Cell::Number(0.5))
+                    },
                     (!odd).then(|| Cell::Text(format!("run {run}"))),
                 ])
                 .unwrap();
@@ -383,14 +388,22 @@ mod tests {
         table.finish().unwrap();
         assert_eq!(read_names(&path).unwrap(), sheet);
         let columns = read_columns(&path, &["seed", "rms_m", "nothing", "outcome", "passed"]).unwrap();
-        let Some(Column::Natural(seeds)) = &columns[0] else { panic!() };
+        let Some(Column::Natural(seeds)) = &columns[0] else {
+            panic!()
+        };
         assert_eq!((seeds.len(), seeds[1]), (count as usize, Some(u64::MAX - 1)));
-        let Some(Column::Number(rms)) = &columns[1] else { panic!() };
+        let Some(Column::Number(rms)) = &columns[1] else {
+            panic!()
+        };
         assert_eq!(rms[..4], [Some(0.5), Some(1.0), Some(0.5), Some(3.0)]);
         assert_eq!(columns[2], None);
-        let Some(Column::Text(outcomes)) = &columns[3] else { panic!() };
+        let Some(Column::Text(outcomes)) = &columns[3] else {
+            panic!()
+        };
         assert_eq!(outcomes[..2], [Some("run 0".to_owned()), None]);
-        let Some(Column::Boolean(passed)) = &columns[4] else { panic!() };
+        let Some(Column::Boolean(passed)) = &columns[4] else {
+            panic!()
+        };
         assert_eq!(passed[..2], [None, Some(true)]);
     }
 }

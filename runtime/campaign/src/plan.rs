@@ -115,11 +115,7 @@ impl Plan {
             seeds: file.seeds.clone(),
             runs,
             faults: file.faults,
-            measure: file
-                .report
-                .measure
-                .clone()
-                .map(|measure| (measure, file.report.better)),
+            measure: file.report.measure.clone().map(|measure| (measure, file.report.better)),
         })
     }
 
@@ -202,7 +198,11 @@ impl Plan {
     fn all_sets(&self, key: &Key) -> Vec<String> {
         let mut sets = self.variants[key.variant].sets.clone();
         let values = self.values(key);
-        sets.extend(self.parameters().zip(&values).map(|(name, value)| format!("{name}={value}")));
+        sets.extend(
+            self.parameters()
+                .zip(&values)
+                .map(|(name, value)| format!("{name}={value}")),
+        );
         sets
     }
 
@@ -233,7 +233,11 @@ impl Plan {
     /// The command that flies a run alone, from the folder of the campaign's file.
     #[must_use]
     pub fn replay(&self, key: &Key) -> String {
-        let mut text = format!("backseat sim {} --seed {}", word(&self.mission(key).display().to_string()), key.seed);
+        let mut text = format!(
+            "backseat sim {} --seed {}",
+            word(&self.mission(key).display().to_string()),
+            key.seed
+        );
         if let Some(faults) = self.faults {
             text.push_str(&format!(" --draw-faults {faults}"));
         }
@@ -308,7 +312,13 @@ mod tests {
             for variant in 0..2 {
                 for point in 0..3 {
                     for seed in 1..=4 {
-                        let key = Key { run: next, mission, variant, point, seed };
+                        let key = Key {
+                            run: next,
+                            mission,
+                            variant,
+                            point,
+                            seed,
+                        };
                         assert_eq!(plan.key(next), Some(key));
                         next += 1;
                     }
@@ -337,8 +347,7 @@ mod tests {
     fn a_million_runs_cost_as_much_as_one() {
         let plan = plan("missions = [\"a\"]\nseeds = \"1..1000000\"\n");
         assert_eq!(plan.key(999_999).unwrap().seed, 1_000_000);
-        let file: CampaignFile =
-            toml::from_str("missions = [\"a\", \"b\"]\nseeds = \"1..900000000\"\n").unwrap();
+        let file: CampaignFile = toml::from_str("missions = [\"a\", \"b\"]\nseeds = \"1..900000000\"\n").unwrap();
         let error = Plan::new(&file, Path::new("c.toml"), Path::new(""), &[]).unwrap_err();
         assert_eq!(error.to_string(), "c.toml: too many runs: expected at most 1000000000");
     }

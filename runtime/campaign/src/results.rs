@@ -54,7 +54,12 @@ pub fn finish(plan: &Plan, folders: &[Folder], out: &Folder) -> Result<Finished,
             Some(Cell::Number(wall_ns as f64 / 1e9)),
             Some(Cell::Text(journal.host(place).to_owned())),
             Some(Cell::Text(
-                journal.path().file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+                journal
+                    .path()
+                    .file_stem()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into_owned(),
             )),
         ])?;
     }
@@ -90,7 +95,10 @@ fn read(folders: &[Folder], out: &Folder) -> Result<Vec<Journal>, CampaignError>
         if let Some(difference) = folder.manifest()?.difference(&ours) {
             return Err(CampaignError::folder(
                 folder.path(),
-                format!("has results of another campaign than {}: {difference}", out.path().display()),
+                format!(
+                    "has results of another campaign than {}: {difference}",
+                    out.path().display()
+                ),
             ));
         }
         for path in folder.all_journals()? {
@@ -154,7 +162,13 @@ fn gaps(there: impl Iterator<Item = bool>) -> String {
     let shown: Vec<String> = ranges
         .iter()
         .take(SHOWN)
-        .map(|(first, last)| if first == last { first.to_string() } else { format!("{first}..{last}") })
+        .map(|(first, last)| {
+            if first == last {
+                first.to_string()
+            } else {
+                format!("{first}..{last}")
+            }
+        })
         .collect();
     let more = if ranges.len() > SHOWN { ", ..." } else { "" };
     format!("{count} of them ({}{more})", shown.join(", "))
@@ -217,7 +231,10 @@ impl Columns {
             row[place] = Some(cell_of(&value, self.sheet.columns[place].1));
         }
         for (column, cell) in cells {
-            let place = journal.columns().get(column as usize).and_then(|name| self.places.get(name));
+            let place = journal
+                .columns()
+                .get(column as usize)
+                .and_then(|name| self.places.get(name));
             if let Some(place) = place {
                 row[*place] = Some(cell);
             }
@@ -247,14 +264,18 @@ fn kind_of_parameter(plan: &Plan, place: usize) -> ColumnKind {
         Value::Number(_) => ColumnKind::Number,
         Value::Text(_) => ColumnKind::Text,
     };
-    let kinds = plan.samples(place).iter().map(one).fold(None, |all, kind| match (all, kind) {
-        (None, kind) => Some(kind),
-        (Some(all), kind) if all == kind => Some(all),
-        (Some(ColumnKind::Integer | ColumnKind::Number), ColumnKind::Integer | ColumnKind::Number) => {
-            Some(ColumnKind::Number)
-        }
-        _ => Some(ColumnKind::Text),
-    });
+    let kinds = plan
+        .samples(place)
+        .iter()
+        .map(one)
+        .fold(None, |all, kind| match (all, kind) {
+            (None, kind) => Some(kind),
+            (Some(all), kind) if all == kind => Some(all),
+            (Some(ColumnKind::Integer | ColumnKind::Number), ColumnKind::Integer | ColumnKind::Number) => {
+                Some(ColumnKind::Number)
+            }
+            _ => Some(ColumnKind::Text),
+        });
     kinds.unwrap_or(ColumnKind::Text)
 }
 

@@ -114,7 +114,10 @@ impl Row {
             .iter()
             .min_by(|(_, one), (_, other)| one.at_s.total_cmp(&other.at_s));
         if let Some((plugin, failure)) = first {
-            row.text("first_failure", &format!("{plugin} at {:.1} s: {}", failure.at_s, failure.text));
+            row.text(
+                "first_failure",
+                &format!("{plugin} at {:.1} s: {}", failure.at_s, failure.text),
+            );
         }
         row.text("digest", &report.digest);
         for margin in Margin::ALL {
@@ -141,7 +144,10 @@ impl Row {
     }
 
     pub(crate) fn get(&self, name: &str) -> Option<&Cell> {
-        self.cells.iter().find(|(column, _)| column == name).map(|(_, cell)| cell)
+        self.cells
+            .iter()
+            .find(|(column, _)| column == name)
+            .map(|(_, cell)| cell)
     }
 
     /// Whether the run met every expectation.

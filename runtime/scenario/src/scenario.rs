@@ -57,12 +57,18 @@ impl Scenario {
         // Without the settings first, so that an error of the file is reported with its line.
         WorldFile::from_toml(&text).map_err(|source| ScenarioError::world(&path, source))?;
         let text = with_sets(&text, sets)?;
-        Self::of_text(path, text).map_err(|error| match error {
-            ScenarioError::Read { .. } | ScenarioError::Grid { .. } | ScenarioError::GridSize { .. } => error,
-            error => ScenarioError::Set {
+        Self::of_text(path, text).map_err(|error| {
+            let of_grid = matches!(
+                error,
+                ScenarioError::Read { .. } | ScenarioError::Grid { .. } | ScenarioError::GridSize { .. }
+            );
+            if of_grid {
+                return error;
+            }
+            ScenarioError::Set {
                 set: sets.join(" --set "),
                 message: without_line(&error),
-            },
+            }
         })
     }
 

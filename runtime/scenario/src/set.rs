@@ -67,7 +67,10 @@ fn step<'a>(there: &'a mut Value, name: &str, within: &str) -> Result<&'a mut Va
             let length = list.len();
             let place = name.parse::<usize>().ok();
             place.and_then(|place| list.get_mut(place)).ok_or_else(|| {
-                format!("{within} is a list of {length}: expected a place from 0 to {}, not `{name}`", length.saturating_sub(1))
+                format!(
+                    "{within} is a list of {length}: expected a place from 0 to {}, not `{name}`",
+                    length.saturating_sub(1)
+                )
             })
         }
         Value::String(_) | Value::Integer(_) | Value::Float(_) | Value::Boolean(_) | Value::Datetime(_) => {
@@ -120,8 +123,14 @@ mod tests {
         for (text, expected) in [
             ("world.current", "expected world.KEY=VALUE"),
             ("world.current..speed_mps=1", "names joined by dots"),
-            ("world.plan.2.speed_mps=1", "world.plan is a list of 2: expected a place from 0 to 1, not `2`"),
-            ("world.current.speed_mps.0.x=1", "world.current.speed_mps.0 is of type float, and has no keys"),
+            (
+                "world.plan.2.speed_mps=1",
+                "world.plan is a list of 2: expected a place from 0 to 1, not `2`",
+            ),
+            (
+                "world.current.speed_mps.0.x=1",
+                "world.current.speed_mps.0 is of type float, and has no keys",
+            ),
         ] {
             let error = set(&[text]).unwrap_err();
             assert!(error.contains(expected) && error.starts_with("--set "), "{error}");

@@ -32,11 +32,12 @@ pub(crate) struct CampaignSlurm {
 
 pub(super) fn slurm(arguments: &CampaignSlurm) -> Result<()> {
     let campaign = &arguments.campaign;
-    // Reads it once here, so that an error comes now and not from each task.
     let given = campaign.given()?;
     if campaign.shard.is_some() {
         bail!("--shard: the tasks get it from `campaign slurm`: leave it out");
     }
+    // Reads everything once here, so that an error comes now and not from each task.
+    campaign.open(&given)?;
     let absolute = |path: &Path| std::path::absolute(path).with_context(|| path.display().to_string());
     let out = absolute(&campaign.out)?;
     let mut words = vec![absolute(&campaign.campaign)?.display().to_string()];
@@ -77,7 +78,10 @@ pub(super) fn slurm(arguments: &CampaignSlurm) -> Result<()> {
     }
     let first = submit(&[], &array)?;
     let second = submit(&[format!("--dependency=afterok:{first}")], &merge)?;
-    say!("submitted: array job {first} of {} tasks, and job {second} that merges", job.shards);
+    say!(
+        "submitted: array job {first} of {} tasks, and job {second} that merges",
+        job.shards
+    );
     Ok(())
 }
 

@@ -22,11 +22,16 @@ fn read(document: &Table) -> Result<String, String> {
         let spread = Value::Table(spread.expect("it is TOML"));
         document.insert("parameter".to_owned(), Value::Array(vec![spread]));
     }
-    if let Some(parameter) = document.get_mut("parameter").and_then(Value::as_array_mut).and_then(|list| list.first_mut())
+    if let Some(parameter) = document
+        .get_mut("parameter")
+        .and_then(Value::as_array_mut)
+        .and_then(|list| list.first_mut())
         && let Some(parameter) = parameter.as_table_mut()
     {
         let has = |key: &str| parameter.contains_key(key);
-        let ranged = ["from", "to", "steps", "spread", "logarithmic"].iter().any(|key| has(key));
+        let ranged = ["from", "to", "steps", "spread", "logarithmic"]
+            .iter()
+            .any(|key| has(key));
         let (listed, chosen) = (has("values"), has("steps") || has("spread"));
         if ranged && !listed {
             parameter.entry("from").or_insert(Value::Float(0.01));
@@ -37,14 +42,21 @@ fn read(document: &Table) -> Result<String, String> {
         } else if !listed {
             parameter.insert("values".to_owned(), Value::Array(vec![Value::Integer(1)]));
         }
-        let spread = parameter.get("spread").and_then(Value::as_str).is_some_and(|spread| spread != "seed");
+        let spread = parameter
+            .get("spread")
+            .and_then(Value::as_str)
+            .is_some_and(|spread| spread != "seed");
         if spread && !has_points {
             document.insert("points".to_owned(), Value::Integer(4));
         }
     }
     let text = toml::to_string(&document).expect("documents are TOML");
     let folder = std::env::temp_dir();
-    let path = folder.join(format!("backseat-campaign-{}-{:?}.toml", std::process::id(), std::thread::current().id()));
+    let path = folder.join(format!(
+        "backseat-campaign-{}-{:?}.toml",
+        std::process::id(),
+        std::thread::current().id()
+    ));
     std::fs::write(&path, text).expect("there is room");
     let file = CampaignFile::read(&path);
     std::fs::remove_file(&path).ok();

@@ -1,6 +1,7 @@
 //! The program as its users see it, one file for each behavior.
 
 mod cache;
+mod campaign;
 mod examples;
 mod explain;
 mod faults;

@@ -173,8 +173,9 @@ fn a_study_has_a_result_as_its_page_says() {
     holds(
         &told,
         &[
-            "median rms, m",
-            "current-0.3",
+            "report: study/current/report.html",
+            "noisy compared with as it is, pair by pair:",
+            "contour rms, m: larger: by ",
             "  fault at 400 s for 20 s: ",
             "no rule broke",
             "$BFNVG,",

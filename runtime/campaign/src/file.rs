@@ -9,6 +9,9 @@ use crate::error::CampaignError;
 use crate::faults::DrawnFaults;
 use crate::seeds::Seeds;
 
+/// The most values of a range with steps.
+const STEPS_MAX: u32 = 10_000;
+
 /// A campaign's file as it is written.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -198,9 +201,9 @@ impl ParameterTable {
             (None, Some(from), Some(to)) => {
                 let ends = ends(from, to, self.logarithmic).map_err(|message| fault(&message))?;
                 match (self.steps, self.spread) {
-                    (Some(steps), None) if steps >= 2 => Source::Listed(ends.steps(steps)),
+                    (Some(steps), None) if (2..=STEPS_MAX).contains(&steps) => Source::Listed(ends.steps(steps)),
                     (Some(steps), None) => {
-                        return Err(fault(&format!("steps is {steps}: expected 2 or more")));
+                        return Err(fault(&format!("steps is {steps}: expected 2 to {STEPS_MAX}")));
                     }
                     (None, Some(Spread::LatinHypercube)) => Source::Latin(ends),
                     (None, Some(Spread::Sobol)) => Source::Sobol(ends),
@@ -335,7 +338,7 @@ mod tests {
             ("values = []", "values is empty"),
             ("from = 1\nto = 1\nsteps = 3", "expected from below to"),
             ("from = 1\nto = 2", "expected either steps = N"),
-            ("from = 1\nto = 2\nsteps = 1", "steps is 1: expected 2 or more"),
+            ("from = 1\nto = 2\nsteps = 1", "steps is 1: expected 2 to 10000"),
             ("from = \"a\"\nto = 2\nsteps = 2", "two finite numbers"),
             ("from = 0.0\nto = 2.0\nsteps = 2\nlogarithmic = true", "begins above 0"),
             ("values = [1]\nfrom = 2", "expected either values"),

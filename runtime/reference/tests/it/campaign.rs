@@ -28,19 +28,13 @@ fn read(document: &Table) -> Result<String, String> {
         .and_then(|list| list.first_mut())
         && let Some(parameter) = parameter.as_table_mut()
     {
-        let has = |key: &str| parameter.contains_key(key);
-        let ranged = ["from", "to", "steps", "spread", "logarithmic"]
-            .iter()
-            .any(|key| has(key));
-        let (listed, chosen) = (has("values"), has("steps") || has("spread"));
-        if ranged && !listed {
+        if !parameter.contains_key("values") {
+            let chosen = parameter.contains_key("steps") || parameter.contains_key("spread");
             parameter.entry("from").or_insert(Value::Float(0.01));
             parameter.entry("to").or_insert(Value::Float(1e9));
             if !chosen {
                 parameter.insert("steps".to_owned(), Value::Integer(2));
             }
-        } else if !listed {
-            parameter.insert("values".to_owned(), Value::Array(vec![Value::Integer(1)]));
         }
         let spread = parameter
             .get("spread")

@@ -49,10 +49,12 @@ impl Slurm<'_> {
             text.push_str(&format!("#SBATCH {option}\n"));
         }
         text.push_str(&format!(
-            "\n# Each task flies one shard. Exit code {STOPPED} means that it was stopped before its end: it goes on in the next turn.\n\
+            "\n# A task flies one shard. Exit code {STOPPED}: it was stopped before its end, and goes on when its turn comes again. So\n\
+             # does a task whose program was killed, a few times.\n\
              srun --ntasks=1 {} campaign {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --out {out} --workers {}\n\
              code=$?\n\
-             if [ $code -eq {STOPPED} ]; then\n    scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\"\n    exit 0\nfi\n\
+             if [ $code -eq {STOPPED} ] || {{ [ $code -gt 128 ] && [ \"${{SLURM_RESTART_COUNT:-0}}\" -lt {RESTARTS} ]; }}; then\n    \
+             scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\"\n    exit 0\nfi\n\
              exit $code\n",
             word(&self.program.display().to_string()),
             self.arguments.iter().map(|argument| word(argument)).collect::<Vec<_>>().join(" "),
@@ -91,6 +93,9 @@ impl Slurm<'_> {
         (1..=count).filter_map(move |index| format!("{index}/{count}").parse().ok())
     }
 }
+
+/// A task whose program is killed is started again so often.
+const RESTARTS: u32 = 5;
 
 /// The exit code of a campaign that was stopped before its end and goes on with the same command: EX_TEMPFAIL of
 /// `sysexits.h`.

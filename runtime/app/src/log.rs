@@ -42,7 +42,7 @@ pub(crate) enum Log {
     /// Exit code: 0 if no rule was broken, 1 if one was, 2 if a file cannot be judged.
     #[cfg(feature = "simulation")]
     Judge(judge::LogJudge),
-    /// Export a log for QGIS, Google Earth, pandas, DuckDB, MOOS and others
+    /// Export a log for QGIS, Google Earth, pandas, DuckDB, MOOS, xarray and others
     ///
     /// A log is MCAP, which Foxglove and Lichtblick open as it is. For other programs:
     ///
@@ -59,6 +59,9 @@ pub(crate) enum Log {
     ///
     /// `alog` is for the tools of MOOS: NAV_X, NAV_Y and so on from navigation, DESIRED_HEADING and so on while we
     /// steer, and everything else under BACKSEAT_.
+    ///
+    /// `netcdf` is the trajectory by the conventions CF 1.8 and ACDD 1.3, for data centres, xarray and Panoply: a row for
+    /// each navigation solution, with what the CTD and others measured nearest to it, and flags for control and steering.
     ///
     /// The log of a process that was killed is exported as far as it goes. A line on standard error says where it ends,
     /// and another where records are missing.

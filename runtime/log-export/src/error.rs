@@ -50,6 +50,12 @@ pub enum Error {
         /// The topics that there are.
         topics: String,
     },
+    /// The log has no position, so there is no trajectory.
+    #[error("{}: no position on /navigation, so there is no trajectory to write", path.display())]
+    NoPosition {
+        /// The log.
+        path: PathBuf,
+    },
     /// The output cannot be written.
     #[error("{}: cannot write: {source}", path.display())]
     Write {

@@ -5,8 +5,8 @@
 //! `foxglove.GeoJSON` is a layer. So a channel that is new in the log needs no change here.
 //!
 //! An export reads the log's file twice, in a stream: first to find the columns of each channel, the gaps and the end,
-//! and then to write. Memory is bounded by the largest chunk of the log, by the row groups of Parquet, and for maps by
-//! the number of positions.
+//! and then to write. Memory is bounded by the largest chunk of the log, by the row groups of Parquet, and for maps and
+//! NetCDF by the number of positions. NetCDF has a fixed table of variables, because their names are those of conventions.
 //!
 //! A log without its end, as a killed process leaves it, is exported as far as it goes, and so is a damaged one. Each
 //! remark of [`Exported::remarks`] says what is missing.
@@ -18,6 +18,7 @@ mod flatten;
 mod geojson;
 mod kml;
 mod map;
+mod netcdf;
 mod output;
 mod schema;
 mod source;
@@ -44,6 +45,8 @@ pub enum Format {
     Parquet,
     /// The log of MOOS.
     Alog,
+    /// The trajectory as NetCDF by the conventions CF and ACDD.
+    Netcdf,
 }
 
 impl Format {
@@ -54,6 +57,7 @@ impl Format {
             Self::Csv => "csv",
             Self::Parquet => "parquet",
             Self::Alog => "alog",
+            Self::Netcdf => "netcdf",
         }
     }
 }
@@ -117,7 +121,18 @@ pub fn export(export: &Export<'_>) -> Result<Exported, Error> {
         Format::Csv => tables::export(&source, Form::Csv, channel, out),
         Format::Parquet => tables::export(&source, Form::Parquet, channel, out),
         Format::Alog => alog::export(&source, out),
+        Format::Netcdf => netcdf::export(&source, out),
     }
+}
+
+/// What a log has, as `tables.json` of an export of all tables says it: `run`, `start`, `seconds`, `complete`, `gaps`, and
+/// `tables` with topic, schema, rows and columns of each channel. Nothing is written.
+///
+/// # Errors
+///
+/// Those of reading a log.
+pub fn describe(log: &Path) -> Result<serde_json::Value, Error> {
+    tables::describe(&Source::open(log)?)
 }
 
 fn is_same_file(log: &Path, out: &Path) -> bool {

@@ -180,6 +180,21 @@ pub(crate) fn export(source: &Source, form: Form, channel: Option<&str>, out: &P
     Ok(Exported { summary, remarks })
 }
 
+/// The index without the names of files.
+pub(crate) fn describe(source: &Source) -> Result<serde_json::Value, Error> {
+    let mut contents = Contents::of(source, |_| true)?;
+    let sheets = sheets(&mut contents, Form::Parquet);
+    let mut described = serde_json::json!(index(source, &contents, &sheets));
+    let tables = described["tables"].as_array_mut().into_iter().flatten();
+    for table in tables.filter_map(serde_json::Value::as_object_mut) {
+        table.remove("file");
+    }
+    if let Some(members) = described.as_object_mut() {
+        members.remove("files");
+    }
+    Ok(described)
+}
+
 /// `/navigation`, also written without its slash.
 fn same_topic(given: &str, topic: &str) -> bool {
     given == topic || topic.strip_prefix('/') == Some(given)

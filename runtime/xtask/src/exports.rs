@@ -7,14 +7,17 @@ use crate::cross::python;
 
 /// Readers that others wrote, of SEG-Y, XTF, GeoTIFF and PNG.
 const SONAR_PACKAGES: [&str; 3] = ["segyio==1.9.14", "pyxtf==1.5.0", "rasterio==1.4.4"];
-/// Readers that others wrote, of MCAP, CSV, Parquet, GeoJSON and KML.
-const LOG_PACKAGES: [&str; 6] = [
+/// Readers that others wrote, of MCAP, CSV, Parquet, GeoJSON, KML and NetCDF, and the checker of NetCDF's conventions.
+const LOG_PACKAGES: [&str; 9] = [
     "mcap==1.6.0",
     "pandas==3.1.1",
     "pyarrow==26.0.1",
     "shapely==2.2.0",
     "fastkml==1.4.0",
     "lxml==6.1.3",
+    "xarray==2026.9.0",
+    "scipy==1.17.1",
+    "compliance-checker==6.1.0",
 ];
 
 /// Composes the recording and the log of the tests, exports them to every format, and opens the exports.

@@ -22,6 +22,7 @@ mod sonar_page;
 mod steps;
 mod tests;
 mod tidy;
+mod wheel;
 mod workspace;
 
 use std::process::ExitCode;
@@ -66,7 +67,8 @@ enum Task {
     /// figure
     Exports,
     /// Test the SDK for plugins in Python and fly its plugins, with componentize-py (from PyPI); builds the components of
-    /// the plugins in Python into target/plugins
+    /// the plugins in Python into target/plugins. Then build the package `backseat` for studies into target/wheels, with
+    /// Maturin (from PyPI), and run its tests and its notebook
     Python,
     /// Generate the pages in runtime/docs/reference and the schemas in missions/schemas from runtime/reference/keys
     Reference,

@@ -8,6 +8,7 @@ use crate::cross::python as environment;
 use crate::demo::release;
 use crate::plugins;
 use crate::steps::Steps;
+use crate::wheel::wheel;
 
 /// What makes a component of a plugin in Python, and the runner of the tests.
 const PACKAGES: [&str; 2] = ["componentize-py==0.25.1", "pytest==9.2.0"];
@@ -19,7 +20,8 @@ const UNIT_TESTS: [&str; 3] = ["tests", "template", "thermocline"];
 /// The plugins that missions name, with the names of their components.
 const PLUGINS: [(&str, &str); 2] = [("template", "template-python"), ("thermocline", "thermocline")];
 
-/// Tests the SDK for Python and its plugins, and builds the components of those that missions name.
+/// Tests the SDK for Python and its plugins, builds the components of those that missions name, and builds and tests the
+/// package `backseat` for studies.
 pub(crate) fn python() -> Result<()> {
     let mut steps = Steps::default();
     let result = python_in(&mut steps);
@@ -40,7 +42,8 @@ fn python_in(steps: &mut Steps) -> Result<()> {
             .into_iter()
             .try_for_each(|(folder, name)| build(&interpreter, folder, name))
     })?;
-    steps.run("flights", || test(&interpreter, "flights", &program))
+    steps.run("flights", || test(&interpreter, "flights", &program))?;
+    wheel(steps, &program)
 }
 
 /// Runs the tests of a folder of the SDK, without leaving files in the tree.

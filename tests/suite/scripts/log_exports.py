@@ -3,7 +3,7 @@
     cargo run -p backseat-log-export --example dive -- FOLDER [LOG]
     python3 log_exports.py FOLDER
 
-Needs mcap, pandas, pyarrow, shapely and fastkml; `cargo xtask exports` installs them and runs both. What is expected
+Needs mcap, pandas, pyarrow, shapely, fastkml, xarray, scipy and compliance-checker; `cargo xtask exports` installs them and runs both. What is expected
 comes from the log itself, read by the package mcap, and shares nothing with this project's crates.
 """
 
@@ -12,16 +12,20 @@ import csv
 import datetime
 import json
 import math
+import os
 import re
 import sys
+import tempfile
 from pathlib import Path
 
 import fastkml
+import numpy
 import pandas
 import pyarrow
 import pyarrow.parquet
 import shapely
 import shapely.geometry
+import xarray
 from mcap.reader import make_reader
 
 EVERY_S = 10
@@ -466,6 +470,135 @@ def modifies(log):
     return out
 
 
+# What each variable of NetCDF has: channel, property, the log's unit in the file's.
+SERIES = {
+    "altitude": ("/navigation", "altitude_m", 1),
+    "heading": ("/navigation", "heading_deg", 1),
+    "pitch": ("/navigation", "pitch_deg", 1),
+    "roll": ("/navigation", "roll_deg", 1),
+    "yaw_rate": ("/navigation", "yaw_rate_dps", 1),
+    "platform_eastward_velocity": ("/navigation", "east_mps", 1),
+    "platform_northward_velocity": ("/navigation", "north_mps", 1),
+    "platform_downward_velocity": ("/navigation", "down_mps", 1),
+    "pressure": ("/sensors/BFCTD", "pressure_kpa", 10),
+    "temperature": ("/sensors/BFCTD", "temperature_c", 1),
+    "conductivity": ("/sensors/BFCTD", "conductivity_us_per_cm", 10_000),
+    "sound_speed": ("/sensors/BFSVS", "sound_velocity_mps", 1),
+    "speed_through_water": ("/sensors/BFRVL", "water_speed_mps", 1),
+    "thruster_speed": ("/sensors/BFRVL", "thruster_rpm", 1),
+    "true_latitude": ("/truth", "position.latitude_deg", 1),
+    "true_longitude": ("/truth", "position.longitude_deg", 1),
+    "true_depth": ("/truth", "depth_m", 1),
+    "water_depth": ("/truth", "water_depth_m", 1),
+}
+NO_NUMBERS = {"trajectory", "platform", "instrument_ctd", "crs"}
+STEERING = ["nobody", "plan", "modify", "insert"]
+
+
+def nearest(log, times, topic, name):
+    """For each row the last measurement of those that have no nearer row, if it is within a second of the row."""
+    column = numpy.full(len(times), numpy.nan)
+    for time, value in log.channels.get(topic, []):
+        value = dict(flat(value)).get(name)
+        value = NUMBERS.get(value, value)
+        at = log.start / 1e9 + log.seconds(time)
+        apart = numpy.abs(times - at)
+        # Of two rows as near as each other it is the later one.
+        row = len(times) - 1 - int(numpy.argmin(apart[::-1]))
+        if value is not None and math.isfinite(value) and apart[row] <= 1:
+            column[row] = value
+    return column
+
+
+def states(log, times, topic, state, before):
+    """For each row the last state until then."""
+    changes = sorted((log.start / 1e9 + log.seconds(time), number) for number, (time, _) in enumerate(log.channels.get(topic, [])))
+    found = numpy.searchsorted([time for time, _ in changes], times, side="right")
+    return [state(log.channels[topic][changes[place - 1][1]][1]) if place else before for place in found]
+
+
+def netcdf(log, path):
+    with xarray.open_dataset(path, engine="scipy", mask_and_scale=True, decode_times=False) as file:
+        data = file.load()
+    check(data.attrs["featureType"] == "trajectory" and data.attrs["Conventions"].startswith("CF-1.8"), path, data.attrs)
+    check(data["trajectory"].item().decode() == data.attrs["id"], path, "trajectory", data["trajectory"].item())
+    check(data.attrs["backseat_mission"] == log.run["mission"], path, "mission")
+    rows = []
+    for time, value in log.channels["/navigation"]:
+        at = log.start / 1e9 + value.get("time_s", log.seconds(time))
+        if not rows or at > rows[-1][0]:
+            rows.append((at, value))
+    times = numpy.array([time for time, _ in rows])
+    check(list(data["time"].values) == list(times), path, "times", len(data["time"]), len(times))
+    decoded = xarray.decode_cf(data)["time"].values.astype("datetime64[ns]").astype("int64")
+    check(numpy.abs(decoded / 1e9 - times).max() < 1e-6, path, "decoded times")
+    figures, left = 2 * len(rows), set(data.data_vars) - NO_NUMBERS
+
+    def compare(name, expected, divisor=1):
+        nonlocal figures
+        found, expected = data[name].values, numpy.array(expected, dtype=float) / divisor
+        check(numpy.array_equal(found, expected, equal_nan=True), path, name, found[:5], expected[:5])
+        figures += int(numpy.isfinite(found).sum())
+        left.discard(name)
+
+    for name, member in (("lat", "latitude_deg"), ("lon", "longitude_deg"), ("depth", "depth_m")):
+        check(name in data.coords, path, name, "is no coordinate")
+        compare(name, [value[member] for _, value in rows])
+    for name, (topic, member, divisor) in SERIES.items():
+        if topic == "/navigation":
+            column = [value.get(member, math.nan) for _, value in rows]
+        else:
+            column = nearest(log, times, topic, member)
+        if name in data:
+            compare(name, column, divisor)
+        else:
+            check(not numpy.isfinite(column).any(), path, name, "is missing")
+    for topic in (topic for topic in log.channels if topic.startswith("/measures/")):
+        name = re.sub("[^A-Za-z0-9]", "_", topic.removeprefix("/").replace("measures", "measure", 1))
+        if name in data:
+            compare(name, nearest(log, times, topic, "value"))
+    compare("gps", [value.get("gps", math.nan) for _, value in rows])
+    compare("control", states(log, times, "/control", lambda value: value["granted"], False))
+    if "steering" in data:
+        compare("steering", states(log, times, "/truth", lambda value: STEERING.index(value["steering"]), math.nan))
+    speeds = [math.hypot(value["east_mps"], value["north_mps"]) for _, value in rows]
+    check(numpy.allclose(data["platform_speed"], speeds, rtol=1e-15), path, "speeds")
+    # The scale's own values are in a test of the crate; here that it is there and of sea water.
+    salinity = data["salinity"].values if "salinity" in data else numpy.array([])
+    check(((salinity > 2) & (salinity < 42) | numpy.isnan(salinity)).all(), path, "salinity")
+    left -= {"platform_speed", "salinity"}
+    check(not left, path, "other variables", left)
+    passed = conventions(path)
+    # A checker that finds nothing in any file proves nothing.
+    with tempfile.TemporaryDirectory() as folder:
+        spoilt = Path(folder) / "spoilt.nc"
+        spoilt.write_bytes(path.read_bytes().replace(b"height_above_sea_floor", b"height_above_sea_flaws"))
+        faults = conventions(spoilt, expected=False)
+    check(faults, path, "a wrong standard name is not found")
+    return f"{figures} figures, {passed}; a wrong standard name is found"
+
+
+def conventions(path, expected=True):
+    """What compliance-checker says of CF 1.8. It has CF's table of names with it, and gets no other."""
+    # Whatever it would fetch fails.
+    os.environ |= {name: "http://127.0.0.1:9" for name in ("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY")}
+    from compliance_checker.runner import CheckSuite, ComplianceChecker
+
+    CheckSuite.load_all_available_checkers()
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "report.json"
+        _, failed = ComplianceChecker.run_checker(str(path), ["cf:1.8"], 0, "strict", output_filename=str(out), output_format="json")
+        report = json.loads(out.read_text())["cf:1.8"]
+    check(not failed, path, "compliance-checker failed")
+    entries = [entry for priority in ("high", "medium", "low") for entry in report[f"{priority}_priorities"]]
+    # Some that pass have a message too.
+    messages = [message for entry in entries if entry["value"][0] != entry["value"][1] for message in entry["msgs"]]
+    if not expected:
+        return messages
+    check(not messages and report["scored_points"] == report["possible_points"], path, "cf:1.8", messages)
+    return f"cf:1.8 {report['scored_points']} of {report['possible_points']} points"
+
+
 def main(folder):
     log = Log(folder / "log.mcap")
     for name, result in (
@@ -473,6 +606,7 @@ def main(folder):
         ("map.geojson", geojson(log, folder / "map.geojson")),
         ("map.kml", kml(log, folder / "map.kml")),
         ("log.alog", alog(log, folder / "log.alog")),
+        ("track.nc", netcdf(log, folder / "track.nc")),
     ):
         print(f"{name}: {result}")
 

@@ -40,6 +40,8 @@ enum FormatOption {
     Parquet,
     /// The log of MOOS
     Alog,
+    /// The trajectory for data centres and xarray (CF 1.8)
+    Netcdf,
 }
 
 impl From<FormatOption> for Format {
@@ -50,6 +52,7 @@ impl From<FormatOption> for Format {
             FormatOption::Csv => Self::Csv,
             FormatOption::Parquet => Self::Parquet,
             FormatOption::Alog => Self::Alog,
+            FormatOption::Netcdf => Self::Netcdf,
         }
     }
 }

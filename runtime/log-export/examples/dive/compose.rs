@@ -16,6 +16,8 @@ pub(crate) const LAST_S: f64 = 120.0;
 const STEP_S: f64 = 0.2;
 /// `/position` is this far north of `/navigation`.
 const POSITION_APART_DEG: f64 = 2e-7;
+/// A sample of the CTD comes this long after navigation, seconds.
+const CTD_AFTER_S: f64 = 0.0625;
 /// Between these times records are missing.
 const GAP_S: (f64, f64) = (50.0, 60.0);
 
@@ -24,7 +26,7 @@ pub(crate) const FENCE: &str = r#"{"type":"FeatureCollection","features":[
 {"type":"Feature","properties":{"kind":"keep-in","name":"box","depth_max_m":60},"geometry":{"type":"Polygon","coordinates":[[[-71.1,42.3],[-71.0,42.3],[-71.0,42.4],[-71.1,42.4],[-71.1,42.3]]]}},
 {"type":"Feature","properties":{"kind":"keep-out","name":"wreck & reef"},"geometry":{"type":"Polygon","coordinates":[[[-71.06,42.34],[-71.05,42.34],[-71.05,42.35],[-71.06,42.34]]]}}]}"#;
 
-const SCHEMAS: [(&str, &str, &str); 15] = [
+const SCHEMAS: [(&str, &str, &str); 17] = [
     ("/link/from_vehicle", "backseat.Bytes", BYTES),
     ("/link/to_vehicle", "backseat.Bytes", BYTES),
     (
@@ -84,6 +86,17 @@ const SCHEMAS: [(&str, &str, &str); 15] = [
         r#"{"type":"object","properties":{"created":{"type":"string"},
         "temperature_degc":{"type":"number","description":"Degrees Celsius."},"count":{"type":"integer"},
         "frames":{"type":"array","items":{"type":"string"}},"never":{"type":"number"}}}"#,
+    ),
+    (
+        "/sensors/BFCTD",
+        "backseat.BFCTD",
+        r#"{"type":"object","properties":{"conductivity_us_per_cm":{"type":"number"},"temperature_c":{"type":"number"},
+        "pressure_kpa":{"type":"number"}}}"#,
+    ),
+    (
+        "/measures/pilot/slope",
+        "backseat.Measure",
+        r#"{"type":"object","properties":{"value":{"type":"number"},"unit":{"type":"string"}}}"#,
     ),
 ];
 
@@ -322,6 +335,19 @@ impl Composer {
                 at_s,
                 &json!({"position": position, "depth_m": depth + 0.1, "steering": "modify"}),
             );
+        }
+        // Nearer to this solution than to the next.
+        if step.is_multiple_of(7) {
+            let after_s = at_s + CTD_AFTER_S;
+            let mut ctd = json!({"temperature_c": 10.25 + depth / 8.0, "pressure_kpa": 101.325 + 10.0 * depth});
+            // The cell is blocked at first.
+            if at_s > 20.0 {
+                ctd["conductivity_us_per_cm"] = (39_000.5 - depth).into();
+            }
+            self.put("/sensors/BFCTD", after_s, &ctd);
+        }
+        if step == 123 {
+            self.put("/measures/pilot/slope", at_s, &json!({"value": 3.5, "unit": "%"}));
         }
         if step.is_multiple_of(10) {
             let temperature = if step == 100 {

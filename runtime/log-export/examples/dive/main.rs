@@ -33,6 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         (Format::Csv, "csv"),
         (Format::Parquet, "parquet"),
         (Format::Alog, "log.alog"),
+        (Format::Netcdf, "track.nc"),
     ] {
         export(&Export {
             log: &log,

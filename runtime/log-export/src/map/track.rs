@@ -24,7 +24,7 @@ pub(crate) struct Fix {
 
 impl Fix {
     /// Navigation has its position at the top, the truth in an object of its own, and Foxglove's schema other names.
-    fn of(message: &Message<'_>) -> Option<Self> {
+    pub(crate) fn of(message: &Message<'_>) -> Option<Self> {
         let value = &message.value;
         let position = value.get("position").unwrap_or(value);
         let [longitude, latitude] = if message.schema == LOCATION_FIX {

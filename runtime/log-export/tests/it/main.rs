@@ -7,6 +7,7 @@
 mod compose;
 mod damage;
 mod maps;
+mod netcdf;
 mod tables;
 
 use std::path::{Path, PathBuf};
@@ -14,12 +15,13 @@ use std::path::{Path, PathBuf};
 use backseat_log_export::{Error, Export, Exported, Format, export};
 use tempfile::TempDir;
 
-const FORMATS: [(Format, &str); 5] = [
+const FORMATS: [(Format, &str); 6] = [
     (Format::Geojson, "map.geojson"),
     (Format::Kml, "map.kml"),
     (Format::Csv, "csv"),
     (Format::Parquet, "parquet"),
     (Format::Alog, "log.alog"),
+    (Format::Netcdf, "track.nc"),
 ];
 
 /// A log in a folder of its own.

@@ -26,9 +26,9 @@ fn a_folder_has_a_table_a_channel_and_says_what_its_columns_are() {
     let desk = Desk::with(&compose::whole());
     for (format, out) in [(Format::Csv, "csv"), (Format::Parquet, "parquet")] {
         let done = desk.export(format, out).unwrap();
-        assert!(done.summary.contains("15 tables with "), "{}", done.summary);
+        assert!(done.summary.contains("17 tables with "), "{}", done.summary);
         let files = names(&desk.at(out));
-        assert_eq!(files.len(), 16, "{files:?}");
+        assert_eq!(files.len(), 18, "{files:?}");
         assert!(files.contains(&format!("sensors_CTD.{out}")), "{files:?}");
         let index: Value = serde_json::from_slice(&std::fs::read(desk.at(out).join("tables.json")).unwrap()).unwrap();
         assert_eq!((&index["complete"], &index["run"]["seed"]), (&true.into(), &"7".into()));

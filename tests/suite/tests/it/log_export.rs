@@ -197,6 +197,19 @@ fn moos_gets_navigation_by_its_names() {
 }
 
 #[test]
+fn data_centres_get_a_trajectory_in_netcdf() {
+    let (_folder, path, finished) = exported("netcdf", "dive.nc");
+    let file = fs::read(&path).unwrap();
+    // NetCDF classic with offsets of 64 bits.
+    assert!(file.starts_with(b"CDF\x02"));
+    let rows = DIVE.navigation().len();
+    assert!(finished.stderr.contains(&format!(": {rows} rows of ")), "{finished}");
+    // A pipe takes it too, because it is written from its first byte to its last.
+    let piped = export(&DIVE.path, "netcdf", Path::new("/proc/self/fd/1")).run().exit(0);
+    assert!(piped.stdout.starts_with("CDF"), "{}", piped.stderr);
+}
+
+#[test]
 fn spi_decode_reads_the_sentences_of_a_log_in_both_directions() {
     let finished = Backseat::new()
         .args(["spi", "decode", "--json"])
@@ -236,6 +249,7 @@ fn a_log_cut_short_is_exported_as_far_as_it_goes_and_the_program_says_where_it_e
         ("csv", "csv"),
         ("parquet", "parquet"),
         ("alog", "dive.alog"),
+        ("netcdf", "dive.nc"),
     ] {
         let finished = export(&cut, format, &folder.path().join(out)).run().exit(0);
         let lines: Vec<&str> = finished.stderr.lines().collect();
@@ -349,7 +363,7 @@ fn an_unknown_format_gets_those_that_there_are() {
     let finished = export(&DIVE.path, "gpx", Path::new("map.gpx")).run().exit(2);
     for part in [
         "invalid value 'gpx' for '--to <TO>'",
-        "geojson, kml, csv, parquet, alog",
+        "geojson, kml, csv, parquet, alog, netcdf",
     ] {
         assert!(finished.stderr.contains(part), "{finished}");
     }
@@ -358,13 +372,15 @@ fn an_unknown_format_gets_those_that_there_are() {
 #[test]
 fn a_disk_that_is_full_leaves_an_earlier_export_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("dive.alog");
-    fs::write(&path, "earlier").unwrap();
-    let line = export(&DIVE.path, "alog", &path).file_max_kib(16).run().refusal();
-    assert!(
-        line.ends_with("dive.alog: cannot write: File too large (os error 27)"),
-        "{line}"
-    );
-    assert_eq!(fs::read(&path).unwrap(), b"earlier");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    for (format, out) in [("alog", "dive.alog"), ("netcdf", "dive.nc")] {
+        let path = folder.path().join(out);
+        fs::write(&path, "earlier").unwrap();
+        let line = export(&DIVE.path, format, &path).file_max_kib(16).run().refusal();
+        assert!(
+            line.ends_with(&format!("{out}: cannot write: File too large (os error 27)")),
+            "{line}"
+        );
+        assert_eq!(fs::read(&path).unwrap(), b"earlier");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }

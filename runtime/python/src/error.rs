@@ -1,0 +1,62 @@
+use backseat_mission::MissionError;
+use backseat_plugin_host::HostError;
+use backseat_plugin_loader::LoadError;
+use backseat_recorder::RecorderError;
+use backseat_scenario::ScenarioError;
+use backseat_sim::SimError;
+
+/// Why something could not be done. Each text is one line, as the program prints it.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The mission cannot be read.
+    #[error(transparent)]
+    Mission(#[from] MissionError),
+    /// The mission's `world.toml` or a file of faults cannot be read.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A plugin cannot be loaded.
+    #[error(transparent)]
+    Plugin(#[from] LoadError),
+    /// The simulation cannot be made.
+    #[error(transparent)]
+    Simulation(SimError),
+    /// This computer cannot run WebAssembly.
+    #[error(transparent)]
+    Host(#[from] HostError),
+    /// The log of the run cannot be written.
+    #[error(transparent)]
+    Recorder(#[from] RecorderError),
+    /// A log cannot be read or exported.
+    #[error(transparent)]
+    Log(#[from] backseat_log_export::Error),
+    /// A sentence or a message is not one of SPI.
+    #[error("{0}")]
+    Spi(String),
+    /// The caller ended the run.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl From<SimError> for Error {
+    fn from(error: SimError) -> Self {
+        match error {
+            SimError::Recorder(error) => Self::Recorder(error),
+            error @ (SimError::Mvc(_)
+            | SimError::Oracle(_)
+            | SimError::Controller(_)
+            | SimError::Scenario(_)
+            | SimError::Sonar(_)) => Self::Simulation(error),
+        }
+    }
+}
+
+impl Error {
+    /// Whether the mission is at fault, or one of its files, plugins or settings.
+    #[must_use]
+    pub const fn is_of_mission(&self) -> bool {
+        match self {
+            Self::Mission(_) | Self::Scenario(_) | Self::Plugin(_) | Self::Simulation(_) => true,
+            Self::Host(_) | Self::Recorder(_) | Self::Log(_) | Self::Spi(_) | Self::Interrupted => false,
+        }
+    }
+}

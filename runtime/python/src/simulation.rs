@@ -1,0 +1,108 @@
+//! Flies a mission as `backseat sim` does, with the same report.
+
+use std::path::Path;
+use std::time::Instant;
+
+use backseat_mission::{Layers, Mission};
+use backseat_plugin_host::{Cache, Host};
+use backseat_plugin_loader::load_plugins;
+use backseat_recorder::{Header, Rate, Recorder, Sources};
+use backseat_scenario::{Scenario, read_faults};
+use backseat_sim::{Report, Simulation};
+
+use crate::error::Error;
+
+/// How many events pass before the caller is asked whether to go on. Some thousand come each millisecond.
+const EVENTS: u32 = 20_000;
+
+/// How the keys of `world.toml` begin.
+const WORLD: &str = "world.";
+
+/// What to fly.
+#[derive(Clone, Debug)]
+pub struct Flight<'a> {
+    /// The mission's folder.
+    pub mission: &'a Path,
+    /// Draws the world, the noise and what the specification leaves open.
+    pub seed: u64,
+    /// Keys of `mission.toml`, each as `limits.speed_max_mps=1.8`, and of `world.toml`, as `world.current.speed_mps=0.3`.
+    /// They override the files and the environment.
+    pub set: Vec<String>,
+    /// A file of faults in place of those of `world.toml`.
+    pub faults: Option<&'a Path>,
+    /// The folder in which plugins are looked for first.
+    pub plugins: Option<&'a Path>,
+    /// Where to write the log.
+    pub log: Option<&'a Path>,
+}
+
+/// Flies a mission to its end. `is_interrupted` is asked several times a second.
+///
+/// # Errors
+///
+/// Every [`Error`] except [`Error::Log`] and [`Error::Spi`]. A log that was begun stays, as that of a killed run.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the caller's clock measures how long a run takes, and nothing depends on it"
+)]
+pub fn simulate(flight: &Flight<'_>, mut is_interrupted: impl FnMut() -> bool) -> Result<Report, Error> {
+    let (of_world, of_mission) = flight
+        .set
+        .iter()
+        .cloned()
+        .partition(|set: &String| set.starts_with(WORLD));
+    let layers = Layers {
+        set: of_mission,
+        environment: true,
+    };
+    let mission = Mission::load(flight.mission, &layers)?;
+    let scenario = Scenario::load_with(&mission, &of_world)?;
+    let faults = flight.faults.map(read_faults).transpose()?;
+    let loading = Instant::now();
+    // What is wrong with the cache is no error, and compiling takes its place.
+    let host = Host::new()?.with_cache(Cache::of_user(|_| {}));
+    let loaded = load_plugins(&host, &mission, flight.plugins)?;
+    let load_seconds = loading.elapsed().as_secs_f64();
+    let recorder = match flight.log {
+        Some(path) => Some(Recorder::create(
+            path,
+            &Header {
+                utc_at_start: scenario.world.start.utc,
+                rate: Rate::Simulation,
+                mission: &mission.name,
+                seed: Some(flight.seed),
+                resolved_mission: &mission.resolved,
+                fence: &mission.fence_text,
+                origin: mission.envelope.fence().frame().origin(),
+                world: Some(&scenario.text),
+                components: &loaded.components,
+                version: env!("CARGO_PKG_VERSION"),
+                sources: Sources {
+                    plan: mission.plan.as_ref().map(|plan| plan.text.as_str()),
+                    fence: mission.other_fence(),
+                    plugins: &loaded.setups,
+                },
+            },
+        )?),
+        None => None,
+    };
+    let flying = Instant::now();
+    let mut simulation = Simulation::new(&mission, &scenario, flight.seed, loaded, recorder)?;
+    if let Some(faults) = faults {
+        simulation.set_faults(faults);
+    }
+    let mut events = 0;
+    while simulation.advance()? {
+        events += 1;
+        if events == EVENTS {
+            events = 0;
+            if is_interrupted() {
+                return Err(Error::Interrupted);
+            }
+        }
+    }
+    let (mut report, ..) = simulation.finish()?;
+    report.wall_seconds = flying.elapsed().as_secs_f64();
+    report.load_seconds = load_seconds;
+    Ok(report)
+}

@@ -6,15 +6,16 @@ mod show;
 mod slurm;
 
 use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, bail};
 use backseat_campaign::{
-    CampaignFile, Crew, Folder, Manifest, Order, Plan, Progress, Seeds, Shard, Sources, Stop, finish, fly, pending,
+    Crew, Finished, Folder, Given, Order, Plan, Progress, Seeds, Shard, Stop, finish, fly, pending,
 };
+use backseat_campaign_report::write;
 use backseat_reference::{MET, STOPPED, UNMET};
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -31,8 +32,6 @@ use crate::terminal::{share, tell};
 
 /// Without a terminal the progress is a line this often.
 const LINE_EVERY: Duration = Duration::from_secs(10);
-/// What a campaign of a mission flies if it says nothing of seeds.
-const SEEDS: &str = "1..100";
 
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
@@ -92,13 +91,6 @@ pub(crate) struct CampaignArguments {
     pub(crate) json: bool,
 }
 
-/// A campaign as it was given.
-pub(crate) struct Given {
-    pub(crate) plan: Plan,
-    text: String,
-    folder: PathBuf,
-}
-
 pub(crate) fn campaign(arguments: &Campaign) -> Result<u8> {
     match (&arguments.task, &arguments.fly) {
         (Some(Task::Report(arguments)), _) => report::report(arguments).map(|()| MET),
@@ -111,53 +103,14 @@ pub(crate) fn campaign(arguments: &Campaign) -> Result<u8> {
 }
 
 impl CampaignArguments {
-    pub(crate) fn given(&self) -> Result<Given> {
-        let path = &self.campaign;
-        let (mut file, text, folder) = if path.is_dir() {
-            let seeds = SEEDS.parse().map_err(|error: String| anyhow!(error))?;
-            let file = CampaignFile::of_mission(path.clone(), seeds);
-            let text = format!(
-                "missions = [{}]\nseeds = \"{SEEDS}\"\n",
-                toml::Value::String(path.display().to_string())
-            );
-            (file, text, PathBuf::new())
-        } else if path.is_file() {
-            let file = CampaignFile::read(path)?;
-            let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-            (file, text, path.parent().map(Path::to_path_buf).unwrap_or_default())
-        } else {
-            bail!(
-                "{}: not found: expected a campaign's file or a mission's folder",
-                path.display()
-            );
-        };
-        if let Some(seeds) = &self.seeds {
-            file.seeds = seeds.clone();
-        }
-        let plan = Plan::new(&file, path, &folder, &self.set)?;
-        let folder = if folder.as_os_str().is_empty() {
-            Path::new(".")
-        } else {
-            &folder
-        };
-        Ok(Given {
-            plan,
-            text,
-            folder: std::path::absolute(folder).with_context(|| folder.display().to_string())?,
-        })
+    fn given(&self) -> Result<Given> {
+        Ok(Given::read(&self.campaign, self.seeds.clone(), &self.set)?)
     }
 
     /// Reads everything that the campaign needs once, and opens its results folder.
     fn open(&self, given: &Given) -> Result<(Crew, Folder)> {
         let crew = Crew::new(host_with(!self.no_cache)?, self.plugins.clone());
-        let sources = Sources {
-            campaign: &given.text,
-            seeds: self.seeds.as_ref(),
-            set: &self.set,
-            folder: &given.folder,
-        };
-        let manifest = Manifest::new(&given.plan, &crew, &sources, env!("CARGO_PKG_VERSION"))?;
-        let folder = Folder::create(&self.out, &manifest)?;
+        let folder = given.open(&crew, &self.out, env!("CARGO_PKG_VERSION"))?;
         Ok((crew, folder))
     }
 
@@ -220,13 +173,13 @@ fn run(arguments: &CampaignArguments) -> Result<u8> {
         return Ok(MET);
     }
     let finished = finish(plan, std::slice::from_ref(&folder), &folder)?;
-    report::write(&folder, plan, Some(&crew))?;
+    write(&folder, plan, Some(&crew))?;
     conclude(&folder, &finished, arguments.json)
 }
 
 /// Prints where the results are and what they are in a line; returns the exit code.
-fn conclude(folder: &Folder, finished: &backseat_campaign::Finished, json: bool) -> Result<u8> {
-    let backseat_campaign::Finished {
+fn conclude(folder: &Folder, finished: &Finished, json: bool) -> Result<u8> {
+    let Finished {
         runs,
         passed,
         not_flown,

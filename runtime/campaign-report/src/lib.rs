@@ -14,6 +14,7 @@ mod sensitivity;
 mod statistics;
 mod table;
 mod worst;
+mod write;
 
 pub use compare::{Comparison, Verdict};
 pub use gallery::Gallery;
@@ -21,6 +22,7 @@ pub use outcome::{Arm, Outcomes};
 pub use page::page;
 pub use statistics::{Interval, pass_rate};
 pub use table::table;
+pub use write::{REPORT, write};
 
 /// Why results cannot be shown.
 #[derive(Debug, thiserror::Error)]
@@ -28,6 +30,14 @@ pub enum ReportError {
     /// The results cannot be read.
     #[error(transparent)]
     Campaign(#[from] backseat_campaign::CampaignError),
+    /// The page cannot be written.
+    #[error("{}: {source}", path.display())]
+    Write {
+        /// Its path.
+        path: std::path::PathBuf,
+        /// The reason.
+        source: std::io::Error,
+    },
     /// A chart cannot be drawn.
     #[error("a chart cannot be drawn: {0}")]
     Chart(String),

@@ -1,7 +1,6 @@
 //! Campaigns: simulated missions by the thousand.
 //!
-//! A [`Plan`] is missions x variants x points x seeds, in one canonical order. A [`Point`](design) gives each parameter
-//! a value. Nothing of a plan is kept per run: a run is computed from its number, so a plan of a million runs costs as
+//! A [`Plan`] is missions x variants x points x seeds, in one canonical order. A point gives each parameter a value. Nothing of a plan is kept per run: a run is computed from its number, so a plan of a million runs costs as
 //! much as one of ten.
 //!
 //! [`fly`] flies the runs of a plan, or one shard of them, on all cores, and appends a row for each to a journal in the
@@ -17,6 +16,7 @@ mod faults;
 mod file;
 mod flight;
 mod folder;
+mod given;
 mod journal;
 mod manifest;
 mod parquet_file;
@@ -34,7 +34,8 @@ pub use faults::{DrawnFaults, Interference};
 pub use file::{Better, CampaignFile};
 pub use flight::{Crew, Flown, Prepared};
 pub use folder::{Folder, RUNS, TIMING};
-pub use manifest::{Manifest, Sources};
+pub use given::Given;
+pub use manifest::Manifest;
 pub use parquet_file::{Column, ColumnKind, Sheet, read_columns, read_names};
 pub use plan::{Key, Plan};
 pub use results::{Finished, finish, pending};

@@ -52,15 +52,15 @@ struct MissionHashes {
 }
 
 /// What was given to make a plan.
-pub struct Sources<'a> {
+pub(crate) struct Sources<'a> {
     /// The text of the campaign's file.
-    pub campaign: &'a str,
+    pub(crate) campaign: &'a str,
     /// Seeds that replace those of the file.
-    pub seeds: Option<&'a Seeds>,
+    pub(crate) seeds: Option<&'a Seeds>,
     /// Further `KEY=VALUE`.
-    pub set: &'a [String],
+    pub(crate) set: &'a [String],
     /// The folder to which missions are relative.
-    pub folder: &'a Path,
+    pub(crate) folder: &'a Path,
 }
 
 impl Manifest {
@@ -70,7 +70,7 @@ impl Manifest {
     ///
     /// [`CampaignError`] of a mission or a plugin that cannot be read. With parameters, a mission must be readable at one
     /// of their first points at least.
-    pub fn new(plan: &Plan, crew: &Crew, sources: &Sources<'_>, version: &str) -> Result<Self, CampaignError> {
+    pub(crate) fn new(plan: &Plan, crew: &Crew, sources: &Sources<'_>, version: &str) -> Result<Self, CampaignError> {
         let mut missions = BTreeMap::new();
         let mut components = BTreeMap::new();
         let step = plan.runs_of_point();

@@ -32,6 +32,12 @@ pub enum Error {
     /// A sentence or a message is not one of SPI.
     #[error("{0}")]
     Spi(String),
+    /// A campaign cannot be flown.
+    #[error(transparent)]
+    Campaign(#[from] backseat_campaign::CampaignError),
+    /// The report of a campaign cannot be written.
+    #[error(transparent)]
+    Report(#[from] backseat_campaign_report::ReportError),
     /// The caller ended the run.
     #[error("interrupted")]
     Interrupted,
@@ -55,8 +61,10 @@ impl Error {
     #[must_use]
     pub const fn is_of_mission(&self) -> bool {
         match self {
-            Self::Mission(_) | Self::Scenario(_) | Self::Plugin(_) | Self::Simulation(_) => true,
-            Self::Host(_) | Self::Recorder(_) | Self::Log(_) | Self::Spi(_) | Self::Interrupted => false,
+            Self::Mission(_) | Self::Scenario(_) | Self::Plugin(_) | Self::Simulation(_) | Self::Campaign(_) => true,
+            Self::Host(_) | Self::Recorder(_) | Self::Log(_) | Self::Spi(_) | Self::Report(_) | Self::Interrupted => {
+                false
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     use super::*;
-    use crate::{Error, Flight};
+    use crate::{Campaign, Error, Flight};
 
     pyo3::create_exception!(
         backseat,
@@ -73,6 +73,40 @@ mod _native {
         }
     }
 
+    /// Flies a campaign; returns the counts of its runs as JSON.
+    #[pyfunction]
+    #[pyo3(signature = (campaign, out, seeds, set, plugins, workers))]
+    fn campaign(
+        py: Python<'_>,
+        campaign: PathBuf,
+        out: PathBuf,
+        seeds: Option<String>,
+        set: Vec<String>,
+        plugins: Option<PathBuf>,
+        workers: Option<usize>,
+    ) -> PyResult<String> {
+        let mut signal = None;
+        let counts = py.detach(|| {
+            let campaign = Campaign {
+                campaign: &campaign,
+                out: &out,
+                seeds: seeds.as_deref(),
+                set,
+                plugins: plugins.as_deref(),
+                workers,
+            };
+            // Ctrl-C stops the campaign.
+            crate::campaign(&campaign, || {
+                signal = Python::attach(|py| py.check_signals().err());
+                signal.is_some()
+            })
+        });
+        match (counts, signal) {
+            (Err(Error::Interrupted), Some(signal)) => Err(signal),
+            (counts, _) => json(&counts.map_err(raised)?),
+        }
+    }
+
     /// What a log has, as JSON.
     #[pyfunction]
     fn describe(py: Python<'_>, log: PathBuf) -> PyResult<String> {
@@ -129,6 +163,8 @@ mod _native {
             Error::Log(_) => LogError::new_err(text),
             Error::Spi(_) => SpiError::new_err(text),
             Error::Mission(_)
+            | Error::Campaign(_)
+            | Error::Report(_)
             | Error::Scenario(_)
             | Error::Plugin(_)
             | Error::Simulation(_)

@@ -2,9 +2,10 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use backseat_campaign::{Folder, finish};
+use backseat_campaign_report::write;
 use clap::Args;
 
-use super::{conclude, report};
+use super::conclude;
 
 #[derive(Debug, Args)]
 pub(crate) struct CampaignMerge {
@@ -27,6 +28,6 @@ pub(super) fn merge(arguments: &CampaignMerge) -> Result<u8> {
     }
     let plan = out.manifest()?.plan(out.path())?;
     let finished = finish(&plan, &folders, &out)?;
-    report::write(&out, &plan, None)?;
+    write(&out, &plan, None)?;
     conclude(&out, &finished, arguments.json)
 }

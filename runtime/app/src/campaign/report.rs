@@ -1,8 +1,8 @@
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
-use backseat_campaign::{Crew, Folder, Plan, RUNS};
-use backseat_campaign_report::{Gallery, Outcomes, page};
+use anyhow::{Result, bail};
+use backseat_campaign::{Crew, Folder, RUNS};
+use backseat_campaign_report::write;
 use clap::Args;
 
 use crate::cache::host_with;
@@ -38,20 +38,4 @@ pub(super) fn whole(path: &std::path::Path) -> Result<Folder> {
         );
     }
     Ok(folder)
-}
-
-/// Writes the report; with a crew it has pictures of runs.
-pub(super) fn write(folder: &Folder, plan: &Plan, crew: Option<&Crew>) -> Result<()> {
-    let outcomes = Outcomes::read(folder, plan)?;
-    let gallery = match crew {
-        Some(crew) => Gallery::draw(&outcomes, plan, crew)?,
-        None => Gallery::default(),
-    };
-    let text = page(folder, plan, &outcomes, &gallery)?;
-    let path = folder.path().join("report.html");
-    let temporary = folder.path().join(format!(".report.html.{}", std::process::id()));
-    std::fs::write(&temporary, text)
-        .and_then(|()| std::fs::rename(&temporary, &path))
-        .with_context(|| path.display().to_string())?;
-    Ok(())
 }

@@ -6,13 +6,14 @@
     print(run.outcome, run.measures["contour_rms_m"])        # metres
     track = backseat.Log(run.log).to_pandas("/navigation")
 
-`simulate` flies a mission as `backseat sim` does, `Log` reads the log of a simulation or of a dive, and `spi` decodes
+`simulate` flies a mission as `backseat sim` does, `campaign` flies many runs on all cores, `Log` reads the log of a simulation or of a dive, and `spi` decodes
 and encodes sentences of the Standard Payload Interface.
 """
 
 from . import spi
 from ._native import LogError, MissionError, SpiError, __version__
+from .campaign import Campaign, campaign
 from .log import Log
 from .simulation import Run, simulate
 
-__all__ = ["Log", "LogError", "MissionError", "Run", "SpiError", "__version__", "simulate", "spi"]
+__all__ = ["Campaign", "Log", "LogError", "MissionError", "Run", "SpiError", "__version__", "campaign", "simulate", "spi"]

@@ -34,10 +34,10 @@ pub enum Error {
     Spi(String),
     /// A campaign cannot be flown.
     #[error(transparent)]
-    Campaign(#[from] backseat_campaign::CampaignError),
+    Campaign(Box<backseat_campaign::CampaignError>),
     /// The report of a campaign cannot be written.
     #[error(transparent)]
-    Report(#[from] backseat_campaign_report::ReportError),
+    Report(Box<backseat_campaign_report::ReportError>),
     /// The caller ended the run.
     #[error("interrupted")]
     Interrupted,
@@ -53,6 +53,18 @@ impl From<SimError> for Error {
             | SimError::Scenario(_)
             | SimError::Sonar(_)) => Self::Simulation(error),
         }
+    }
+}
+
+impl From<backseat_campaign::CampaignError> for Error {
+    fn from(error: backseat_campaign::CampaignError) -> Self {
+        Self::Campaign(Box::new(error))
+    }
+}
+
+impl From<backseat_campaign_report::ReportError> for Error {
+    fn from(error: backseat_campaign_report::ReportError) -> Self {
+        Self::Report(Box::new(error))
     }
 }
 

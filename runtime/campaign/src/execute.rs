@@ -1,5 +1,4 @@
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
@@ -12,6 +11,7 @@ use crate::journal::JournalWriter;
 use crate::plan::{Key, Plan};
 use crate::row::Row;
 use crate::shard::Shard;
+use crate::stop::Stop;
 
 /// A thread takes so many runs at a time.
 const TAKEN: u64 = 8;
@@ -19,23 +19,6 @@ const TAKEN: u64 = 8;
 const SYNC_EVERY: Duration = Duration::from_secs(2);
 /// The progress is shown this often while nothing ends.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
-
-/// Tells a campaign to stop; the runs that are under way are given up, and flown again when it goes on.
-#[derive(Debug, Default)]
-pub struct Stop(AtomicBool);
-
-impl Stop {
-    /// Stops.
-    pub fn set(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether it shall stop.
-    #[must_use]
-    pub fn is_set(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
 
 /// What to fly.
 pub struct Order<'a> {

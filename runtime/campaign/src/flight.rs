@@ -12,10 +12,10 @@ use backseat_sim::{Report, Simulation, Trace};
 use sha2::{Digest as _, Sha256};
 
 use crate::error::CampaignError;
-use crate::execute::Stop;
 use crate::faults::DrawnFaults;
 use crate::plan::{Key, Plan};
 use crate::row::Row;
+use crate::stop::Stop;
 
 /// The simulation looks this often, in events, whether it shall stop.
 const LOOK_EVERY: u32 = 4096;

@@ -19,7 +19,7 @@ fn studied() -> TempDir {
         folder.path(),
         "campaign.toml",
         "missions = [\"isobath\"]\nseeds = \"1..3\"\npoints = 2\n\
-         [set]\nworld.plan.1.timeout_s = 240\n\
+         [set]\nworld.plan.1.timeout_s = 100\n\
          [[variant]]\nname = \"slow\"\nset = { \"plugin.isobath.config.speed_mps\" = 1.2 }\n\
          [[variant]]\nname = \"fast\"\nset = { \"plugin.isobath.config.speed_mps\" = 1.8 }\n\
          [[parameter]]\nkey = \"world.sensors.altitude_noise_m\"\nfrom = 0.05\nto = 0.5\nspread = \"latin-hypercube\"\n\
@@ -66,7 +66,7 @@ fn journal(folder: &TempDir, out: &str) -> PathBuf {
 #[test]
 fn a_campaign_is_flown_compared_and_reported() {
     let folder = studied();
-    // Legs of four minutes meet no expectation of the mission.
+    // Legs of some minutes meet no expectation of the mission.
     let output = ends(campaign(&folder, &["campaign.toml", "--out", "all"]), 1);
     let text = &output.stdout;
     for part in [

@@ -175,6 +175,7 @@ mod tests {
             passed: vec![true; values.len()],
             flown: vec![true; values.len()],
             violations: vec![0; values.len()],
+            reasons: Vec::new(),
             measures: vec![("rms_m".to_owned(), values)],
             parameters: Vec::new(),
             leading: None,

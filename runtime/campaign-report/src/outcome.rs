@@ -27,6 +27,8 @@ pub struct Outcomes {
     pub flown: Vec<bool>,
     /// For each run its violations.
     pub violations: Vec<u64>,
+    /// Why runs did not pass, the most frequent reasons first, each with how often it came and one example.
+    pub reasons: Vec<(u64, String)>,
     /// The measures by name: of missions, of plugins behind `published.`, and margins of safety behind `margin.`.
     pub measures: Vec<(String, Vec<Option<f64>>)>,
     /// The parameters by name, with their values.
@@ -106,6 +108,7 @@ impl Outcomes {
             .collect();
         let leading = leading(plan, &measures)?;
         Ok(Self {
+            reasons: reasons(&path)?,
             arms: arms(plan),
             seeds: plan.runs_of_point(),
             passed,
@@ -193,6 +196,23 @@ impl Values {
             .collect();
         Self::Texts(places, known)
     }
+}
+
+/// The most frequent reasons for which runs did not pass. Reasons that differ in their figures alone are one.
+fn reasons(path: &std::path::Path) -> Result<Vec<(u64, String)>, ReportError> {
+    const SHOWN: usize = 3;
+    let mut counts = std::collections::BTreeMap::<String, (u64, String)>::new();
+    for column in read_columns(path, &["error", "unmet"])? {
+        let Some(Column::Text(texts)) = column else { continue };
+        for reason in texts.iter().flatten().flat_map(|text| text.split("; ")) {
+            let kind: String = reason.chars().filter(|character| !character.is_ascii_digit()).collect();
+            counts.entry(kind).or_insert_with(|| (0, reason.to_owned())).0 += 1;
+        }
+    }
+    let mut sorted: Vec<(u64, String)> = counts.into_values().collect();
+    sorted.sort_by(|one, other| other.0.cmp(&one.0).then_with(|| one.1.cmp(&other.1)));
+    sorted.truncate(SHOWN);
+    Ok(sorted)
 }
 
 fn leading(plan: &Plan, measures: &[(String, Vec<Option<f64>>)]) -> Result<Option<(usize, Better)>, ReportError> {

@@ -141,6 +141,7 @@ mod tests {
             passed: vec![true; 36],
             flown: vec![true; 36],
             violations: vec![0; 36],
+            reasons: Vec::new(),
             measures: vec![("m".to_owned(), runs().map(|seed| Some(worlds[seed])).collect())],
             parameters: vec![Parameter {
                 of_seed: true,
@@ -172,6 +173,7 @@ mod tests {
             passed: vec![true; count],
             flown: vec![true; count],
             violations: vec![0; count],
+            reasons: Vec::new(),
             measures: vec![("m".to_owned(), measure)],
             parameters: vec![
                 named("none", numbers(none)),

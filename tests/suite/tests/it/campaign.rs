@@ -71,7 +71,7 @@ fn a_campaign_is_flown_compared_and_reported() {
     let text = &output.stdout;
     for part in [
         "slow",
-        "fast compared with slow, pair by pair:",
+        "fast compared with slow, seed by seed:",
         "contour rms, m",
         "report: all/report.html; rows: all/runs.parquet",
     ] {

@@ -3,7 +3,7 @@
 use backseat_plugin_host::{Cache, Host, HostError, Notice};
 use tracing::{info, warn};
 
-use crate::cli::MissionArguments;
+use crate::arguments::MissionArguments;
 
 /// A host for the plugins of a mission. It says on standard error what is wrong with the cache, and nothing that is
 /// wrong with it is an error.

@@ -22,8 +22,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing::warn;
 
+use crate::arguments::folder;
 use crate::cache::host_with;
-use crate::cli::folder;
 use crate::clock::Clock;
 use crate::output::say;
 use crate::sonar_settings::beyond_sonar;

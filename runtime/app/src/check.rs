@@ -10,8 +10,8 @@ use backseat_plugin_loader::load_plugins;
 use backseat_units::{EastNorth, LocalFrame, Utc};
 use clap::Args;
 
+use crate::arguments::MissionArguments;
 use crate::cache::host;
-use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::output::{kib, say};
 use crate::run::host_and_port;

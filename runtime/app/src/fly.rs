@@ -20,8 +20,8 @@ use clap::Args;
 use tokio::sync::oneshot;
 use tracing::warn;
 
+use crate::arguments::MissionArguments;
 use crate::cache::host;
-use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::external::Ports;
 use crate::fly::status::Screen;

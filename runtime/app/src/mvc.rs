@@ -24,7 +24,7 @@ use clap::{Args, ValueEnum};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing::info;
 
-use crate::cli::{WorldArguments, seed};
+use crate::arguments::{WorldArguments, seed};
 use crate::clock::Clock;
 use crate::map::open;
 use crate::mvc::log::Log;

@@ -12,7 +12,7 @@ use backseat_units::Timestamp;
 use clap::Args;
 use tracing::info;
 
-use crate::cli::{WorldArguments, seed};
+use crate::arguments::{WorldArguments, seed};
 use crate::clock::Clock;
 use crate::events::Events;
 use crate::mvc::log::Log;

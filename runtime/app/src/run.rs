@@ -17,8 +17,8 @@ use clap::Args;
 use tokio::sync::mpsc::unbounded_channel;
 use tracing::{info, warn};
 
+use crate::arguments::MissionArguments;
 use crate::cache::host;
-use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::external::Ports;
 use crate::helm::Helm;

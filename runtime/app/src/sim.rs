@@ -17,8 +17,8 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use tracing::{Level, enabled, info, warn};
 
+use crate::arguments::{MissionArguments, seed};
 use crate::cache::host;
-use crate::cli::{MissionArguments, seed};
 use crate::clock::{Clock, pause};
 use crate::log::{plugin_lines, sources};
 use crate::map::open;

@@ -5,6 +5,8 @@ use crate::outcome::{Arm, Outcomes};
 use crate::statistics::{Interval, bootstrap_mean, mean, sign_test};
 
 /// A measure of two arms, run by run with the same point and seed.
+///
+/// Runs of one seed share their world at all points, so a seed counts once: with the mean of its differences.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// The measure's name.
@@ -19,9 +21,11 @@ pub struct Comparison {
     pub difference: f64,
     /// The interval of the mean of the differences.
     pub interval: Interval,
-    /// Pairs in which the other's value is smaller.
+    /// Seeds with such a pair.
+    pub seeds: u64,
+    /// Seeds for which the other's value is smaller.
     pub smaller: u64,
-    /// Pairs in which it is larger.
+    /// Seeds for which it is larger.
     pub larger: u64,
     /// The sign test's probability.
     pub p: f64,
@@ -30,7 +34,7 @@ pub struct Comparison {
 /// What a comparison shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// There are too few pairs to say anything.
+    /// There are too few seeds to say anything.
     TooFew,
     /// All pairs are equal.
     Equal,
@@ -42,8 +46,8 @@ pub enum Verdict {
     Larger,
 }
 
-/// Fewer pairs show nothing.
-const PAIRS_MIN: u64 = 6;
+/// Fewer seeds show nothing.
+const SEEDS_MIN: u64 = 6;
 /// The sign test's threshold.
 const P_MAX: f64 = 0.05;
 
@@ -53,23 +57,32 @@ impl Comparison {
     pub fn new(outcomes: &Outcomes, first: &Arm, other: &Arm, measure: usize) -> Option<Self> {
         let (name, values) = &outcomes.measures[measure];
         let pairs = outcomes.range(first).zip(outcomes.range(other));
-        let (mut differences, mut alone) = (Vec::new(), 0);
+        let mut of_seed = vec![(0.0, 0u64); outcomes.seeds as usize];
+        let (mut count, mut alone) = (0, 0);
         for (one, another) in pairs {
+            let (sum, pairs) = &mut of_seed[outcomes.seed_of(first, one)];
             match (values[one], values[another]) {
-                (Some(one), Some(another)) => differences.push(another - one),
+                (Some(one), Some(another)) => {
+                    *sum += another - one;
+                    *pairs += 1;
+                    count += 1;
+                }
                 (None, None) => {}
                 (Some(_), None) | (None, Some(_)) => alone += 1,
             }
         }
-        if differences.is_empty() {
+        if count == 0 {
             return None;
         }
+        let paired = of_seed.iter().filter(|(_, pairs)| *pairs > 0);
+        let differences: Vec<f64> = paired.map(|(sum, pairs)| sum / *pairs as f64).collect();
         let smaller = differences.iter().filter(|difference| **difference < 0.0).count() as u64;
         let larger = differences.iter().filter(|difference| **difference > 0.0).count() as u64;
         Some(Self {
             measure: name.clone(),
             other: other.name.clone(),
-            pairs: differences.len() as u64,
+            pairs: count,
+            seeds: differences.len() as u64,
             alone,
             difference: mean(&differences),
             interval: bootstrap_mean(&differences),
@@ -85,7 +98,7 @@ impl Comparison {
         if self.smaller + self.larger == 0 {
             return Verdict::Equal;
         }
-        if self.pairs < PAIRS_MIN {
+        if self.seeds < SEEDS_MIN {
             return Verdict::TooFew;
         }
         let signs = self.p < P_MAX;
@@ -111,8 +124,8 @@ impl Comparison {
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.verdict() {
-            Verdict::Equal => write!(f, "no difference: equal in each of {} pairs", self.pairs),
-            Verdict::TooFew => write!(f, "too few pairs ({}) to say", self.pairs),
+            Verdict::Equal => write!(f, "no difference: equal for each of {} seeds", self.seeds)?,
+            Verdict::TooFew => write!(f, "too few seeds ({}) to say", self.seeds)?,
             verdict @ (Verdict::NoDifference | Verdict::Smaller | Verdict::Larger) => {
                 let word = match verdict {
                     Verdict::Smaller => "smaller",
@@ -121,17 +134,21 @@ impl fmt::Display for Comparison {
                 };
                 write!(
                     f,
-                    "{word}: by {} (95 % interval {} to {}); smaller in {}, larger in {} of {} pairs, {}",
+                    "{word}: difference {} (95 % interval {} to {}); smaller for {}, larger for {} of {} seeds, {}",
                     figure(self.difference),
                     figure(self.interval.low),
                     figure(self.interval.high),
                     self.smaller,
                     self.larger,
-                    self.pairs,
+                    self.seeds,
                     self.p_text()
-                )
+                )?;
             }
         }
+        if self.alone > 0 {
+            write!(f, "; in {} pairs only one of the two has it", self.alone)?;
+        }
+        Ok(())
     }
 }
 
@@ -141,6 +158,11 @@ mod tests {
     use backseat_world::Stream;
 
     fn compared(values: Vec<Option<f64>>) -> Comparison {
+        let seeds = values.len() as u64 / 2;
+        compared_at_points(values, seeds)
+    }
+
+    fn compared_at_points(values: Vec<Option<f64>>, seeds: u64) -> Comparison {
         let runs = values.len() as u64 / 2;
         let arm = |name: &str, first| Arm {
             name: name.to_owned(),
@@ -149,9 +171,11 @@ mod tests {
         };
         let outcomes = Outcomes {
             arms: vec![arm("a", 0), arm("b", runs)],
+            seeds,
             passed: vec![true; values.len()],
             flown: vec![true; values.len()],
             violations: vec![0; values.len()],
+            reasons: Vec::new(),
             measures: vec![("rms_m".to_owned(), values)],
             parameters: Vec::new(),
             leading: None,
@@ -169,7 +193,7 @@ mod tests {
         let values = noise(100, "a");
         let comparison = compared([values.clone(), values].concat());
         assert_eq!(comparison.verdict(), Verdict::Equal);
-        assert_eq!(comparison.to_string(), "no difference: equal in each of 100 pairs");
+        assert_eq!(comparison.to_string(), "no difference: equal for each of 100 seeds");
     }
 
     #[test]
@@ -182,7 +206,10 @@ mod tests {
         let comparison = compared(noise(100, "a").into_iter().chain(shifted).collect());
         assert_eq!((comparison.verdict(), comparison.larger), (Verdict::Larger, 100));
         let text = comparison.to_string();
-        assert!(text.starts_with("larger: by 0.3 (95 % interval 0.3 to 0.3)"), "{text}");
+        assert!(
+            text.starts_with("larger: difference 0.3 (95 % interval 0.3 to 0.3)"),
+            "{text}"
+        );
     }
 
     #[test]
@@ -194,6 +221,16 @@ mod tests {
         values[17] = None;
         let comparison = compared(values);
         assert_eq!((comparison.pairs, comparison.alone), (7, 2));
+    }
+
+    #[test]
+    fn more_points_of_a_seed_are_no_more_evidence() {
+        // Two seeds at four points each: the second differs, and four times the same is once.
+        let first: Vec<Option<f64>> = (0..8).map(|run| Some(f64::from(run % 2))).collect();
+        let other = first.iter().map(|value| value.map(|value| value + 1.0)).collect();
+        let comparison = compared_at_points([first, other].concat(), 2);
+        assert_eq!((comparison.pairs, comparison.seeds, comparison.larger), (8, 2, 2));
+        assert_eq!(comparison.verdict(), Verdict::TooFew);
     }
 
     #[test]

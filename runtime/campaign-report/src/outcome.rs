@@ -1,6 +1,7 @@
 use backseat_campaign::{Better, Column, ColumnKind, Folder, Plan, RUNS, read_columns, read_names};
 
 use crate::ReportError;
+use crate::statistics::{Interval, pass_rate};
 
 /// What is compared: a mission with a variant. The runs of an arm follow each other.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,18 +19,31 @@ pub struct Arm {
 pub struct Outcomes {
     /// The arms in their order.
     pub arms: Vec<Arm>,
+    /// How many seeds each point has. Runs of one seed share their world, so seeds are what is independent.
+    pub seeds: u64,
     /// For each run whether it met its expectations.
     pub passed: Vec<bool>,
     /// For each run whether it was flown.
     pub flown: Vec<bool>,
     /// For each run its violations.
     pub violations: Vec<u64>,
+    /// Why runs did not pass, the most frequent reasons first, each with how often it came and one example.
+    pub reasons: Vec<(u64, String)>,
     /// The measures by name: of missions, of plugins behind `published.`, and margins of safety behind `margin.`.
     pub measures: Vec<(String, Vec<Option<f64>>)>,
     /// The parameters by name, with their values.
-    pub(crate) parameters: Vec<(String, Values)>,
+    pub(crate) parameters: Vec<Parameter>,
     /// Which measure comes first, and which of its values are better.
     pub(crate) leading: Option<(usize, Better)>,
+}
+
+/// A parameter with its values.
+#[derive(Clone, Debug)]
+pub(crate) struct Parameter {
+    pub(crate) name: String,
+    pub(crate) values: Values,
+    /// Each seed has drawn one value.
+    pub(crate) of_seed: bool,
 }
 
 /// The values of a parameter.
@@ -78,7 +92,12 @@ impl Outcomes {
         };
         let parameters = parameters
             .iter()
-            .map(|name| ((*name).to_owned(), Values::of(columns.next().flatten())))
+            .zip(plan.drawn_from_seeds())
+            .map(|(name, of_seed)| Parameter {
+                name: (*name).to_owned(),
+                values: Values::of(columns.next().flatten()),
+                of_seed,
+            })
             .collect();
         let measures: Vec<(String, Vec<Option<f64>>)> = measures
             .iter()
@@ -89,7 +108,9 @@ impl Outcomes {
             .collect();
         let leading = leading(plan, &measures)?;
         Ok(Self {
+            reasons: reasons(&path)?,
             arms: arms(plan),
+            seeds: plan.runs_of_point(),
             passed,
             flown,
             violations,
@@ -103,6 +124,29 @@ impl Outcomes {
     pub(crate) fn range(&self, arm: &Arm) -> std::ops::Range<usize> {
         let end = ((arm.first + arm.runs) as usize).min(self.passed.len());
         (arm.first as usize).min(end)..end
+    }
+
+    /// The place of a run's seed among the seeds.
+    pub(crate) fn seed_of(&self, arm: &Arm, run: usize) -> usize {
+        ((run as u64 - arm.first) % self.seeds.max(1)) as usize
+    }
+
+    /// How many runs of an arm passed, and how many were flown.
+    #[must_use]
+    pub fn passed_of(&self, arm: &Arm) -> (u64, u64) {
+        let range = self.range(arm);
+        let passed = self.passed[range.clone()].iter().filter(|passed| **passed).count();
+        let flown = self.flown[range].iter().filter(|flown| **flown).count();
+        (passed as u64, flown as u64)
+    }
+
+    /// The interval of the share of runs that pass, of those that were flown. It counts seeds: several points of a seed are
+    /// no more evidence than one.
+    #[must_use]
+    pub fn pass_interval(&self, arm: &Arm) -> Interval {
+        let (passed, flown) = self.passed_of(arm);
+        let points = (arm.runs / self.seeds.max(1)).max(1);
+        pass_rate(passed as f64 / flown.max(1) as f64, flown.div_ceil(points))
     }
 
     /// The values of a measure in an arm, in ascending order.
@@ -154,6 +198,23 @@ impl Values {
     }
 }
 
+/// The most frequent reasons for which runs did not pass. Reasons that differ in their figures alone are one.
+fn reasons(path: &std::path::Path) -> Result<Vec<(u64, String)>, ReportError> {
+    const SHOWN: usize = 3;
+    let mut counts = std::collections::BTreeMap::<String, (u64, String)>::new();
+    for column in read_columns(path, &["error", "unmet"])? {
+        let Some(Column::Text(texts)) = column else { continue };
+        for reason in texts.iter().flatten().flat_map(|text| text.split("; ")) {
+            let kind: String = reason.chars().filter(|character| !character.is_ascii_digit()).collect();
+            counts.entry(kind).or_insert_with(|| (0, reason.to_owned())).0 += 1;
+        }
+    }
+    let mut sorted: Vec<(u64, String)> = counts.into_values().collect();
+    sorted.sort_by(|one, other| other.0.cmp(&one.0).then_with(|| one.1.cmp(&other.1)));
+    sorted.truncate(SHOWN);
+    Ok(sorted)
+}
+
 fn leading(plan: &Plan, measures: &[(String, Vec<Option<f64>>)]) -> Result<Option<(usize, Better)>, ReportError> {
     match plan.measure() {
         Some((name, better)) => match measures.iter().position(|(measure, _)| measure == name) {
@@ -179,13 +240,25 @@ fn leading(plan: &Plan, measures: &[(String, Vec<Option<f64>>)]) -> Result<Optio
 fn arms(plan: &Plan) -> Vec<Arm> {
     let runs = plan.points() * plan.runs_of_point();
     let count = plan.runs().checked_div(runs).unwrap_or(0);
+    let short = |key: &backseat_campaign::Key| {
+        let name = plan.mission(key).file_name();
+        name.map_or_else(
+            || plan.mission(key).display().to_string(),
+            |name| name.to_string_lossy().into_owned(),
+        )
+    };
+    let keys = || (0..count).filter_map(|arm| plan.key(arm * runs));
+    let names: std::collections::BTreeSet<String> = keys().map(|key| short(&key)).collect();
+    // Missions in folders of the same name need their whole paths.
+    let unique = names.len() == plan.missions();
     (0..count)
         .filter_map(|arm| {
             let key = plan.key(arm * runs)?;
-            let mission = plan.mission(&key).file_name().map_or_else(
-                || plan.mission(&key).display().to_string(),
-                |name| name.to_string_lossy().into_owned(),
-            );
+            let mission = if unique {
+                short(&key)
+            } else {
+                plan.mission(&key).display().to_string()
+            };
             let variant = plan.variant(&key);
             let name = match (plan.missions(), variant) {
                 (_, "") => mission,

@@ -9,7 +9,7 @@ use crate::figure::{figure, percent, words};
 use crate::gallery::Gallery;
 use crate::outcome::{Arm, Outcomes, Values};
 use crate::sensitivity::{Sensitivity, sensitivities};
-use crate::statistics::{mean, pass_rate, quantile};
+use crate::statistics::{mean, quantile};
 use crate::worst::worst;
 
 /// The page is for people who print it, or look at it in a bright or a dark room.
@@ -111,22 +111,22 @@ fn rates(outcomes: &Outcomes) -> Markup {
         table {
             tr { th { "variant" } th { "runs" } th { "passed" } th { "share" } th { "95 % interval" } th { "not flown" } th { "violations" } }
             @for arm in &outcomes.arms {
-                @let range = outcomes.range(arm);
-                @let passed = outcomes.passed[range.clone()].iter().filter(|passed| **passed).count() as u64;
-                @let not_flown = outcomes.flown[range.clone()].iter().filter(|flown| !**flown).count();
-                @let violations: u64 = outcomes.violations[range].iter().sum();
-                @let interval = pass_rate(passed, arm.runs);
+                @let (passed, flown) = outcomes.passed_of(arm);
+                @let not_flown = arm.runs - flown;
+                @let violations: u64 = outcomes.violations[outcomes.range(arm)].iter().sum();
+                @let interval = outcomes.pass_interval(arm);
                 tr {
                     td { (arm.name) } td { (arm.runs) } td { (passed) }
-                    td { (percent(passed as f64 / arm.runs.max(1) as f64)) }
+                    td { (percent(passed as f64 / flown.max(1) as f64)) }
                     td { (percent(interval.low)) " to " (percent(interval.high)) }
                     td.bad[not_flown > 0] { (not_flown) } td.bad[violations > 0] { (violations) }
                 }
             }
         }
         p.dim {
-            "A run passes if every expectation of its world.toml held. The interval is Wilson's; where no run failed, at most "
-            "3/N of all runs fail (the rule of three)."
+            "A run passes if every expectation of its world.toml held; the share is of the runs that were flown. The interval is "
+            "Wilson's; where no run failed, it is the exact bound, about 3/N. It counts seeds, because the runs of one seed at "
+            "several points share their world."
         }
     }
 }
@@ -161,11 +161,12 @@ fn comparisons(outcomes: &Outcomes, measures: &[usize]) -> Markup {
     html! {
         p.dim {
             "Each run is compared with the run of " strong { (first.name) } " with the same point and seed: difference = other "
-            "less " (first.name) ". A difference is called one if the bootstrap's 95 % interval of the mean difference does not "
-            "hold 0 and the sign test finds p < 0.05. With many measures, one in twenty differs by chance."
+            "less " (first.name) ". Each seed counts once, with the mean over its points. The verdict is `smaller` or `larger` "
+            "only if the bootstrap's 95 % interval of the mean difference leaves 0 out and the sign test finds p < 0.05. Among "
+            "many measures some differ by chance."
         }
         div.wide { table {
-            tr { th { "measure" } th.text { "other" } th { "mean difference" } th { "95 % interval" } th { "smaller" } th { "larger" } th { "pairs" } th { "sign test" } th.text { "verdict" } }
+            tr { th { "measure" } th.text { "other" } th { "mean difference" } th { "95 % interval" } th { "smaller" } th { "larger" } th { "seeds" } th { "pairs" } th { "sign test" } th.text { "verdict" } }
             @for measure in measures {
                 @for other in &outcomes.arms[1..] {
                     @if let Some(comparison) = Comparison::new(outcomes, first, other, *measure) {
@@ -179,8 +180,8 @@ fn comparisons(outcomes: &Outcomes, measures: &[usize]) -> Markup {
 
 fn comparison_row(comparison: &Comparison) -> Markup {
     let verdict = match comparison.verdict() {
-        Verdict::TooFew => "too few pairs",
-        Verdict::Equal => "no difference: all pairs are equal",
+        Verdict::TooFew => "too few seeds",
+        Verdict::Equal => "no difference: all are equal",
         Verdict::NoDifference => "no difference shown",
         Verdict::Smaller => "smaller",
         Verdict::Larger => "larger",
@@ -191,6 +192,7 @@ fn comparison_row(comparison: &Comparison) -> Markup {
             td { (figure(comparison.difference)) }
             td { (figure(comparison.interval.low)) " to " (figure(comparison.interval.high)) }
             td { (comparison.smaller) } td { (comparison.larger) }
+            td { (comparison.seeds) }
             td { (comparison.pairs) @if comparison.alone > 0 { " (" (comparison.alone) " with one alone)" } }
             td { (comparison.p_text()) } td.text { strong { (verdict) } }
         }
@@ -233,7 +235,7 @@ fn distribution(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportErr
 fn sensitivity(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportError> {
     let found = sensitivities(outcomes, measure);
     if found.is_empty() {
-        return Ok(html! { p { "No parameter varies, or the measure does not." } });
+        return Ok(html! { p { "No parameter or not the measure varies, or there are too few seeds to say." } });
     }
     let shares: Vec<(String, f64)> = found
         .iter()
@@ -241,18 +243,20 @@ fn sensitivity(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportErro
         .collect();
     let chart = bars("share of the variance that the parameter explains", &shares)?;
     let mut scatters = Vec::new();
-    for (name, values) in &outcomes.parameters {
-        if let Values::Numbers(numbers) = values
-            && let Some(svg) = scatter_of(outcomes, measure, name, numbers)?
+    for parameter in &outcomes.parameters {
+        if let Values::Numbers(numbers) = &parameter.values
+            && let Some(svg) = scatter_of(outcomes, measure, &parameter.name, numbers)?
         {
             scatters.push(svg);
         }
     }
     Ok(html! {
         p.dim {
-            "The share of the variance within each variant that the values of a parameter explain beyond chance (epsilon "
-            "squared; a range is cut into ten parts). What several parameters do together is in none of the shares. The rank "
-            "correlation (Spearman) says in which direction."
+            "How much of the variance within a variant each parameter explains by itself, less what chance would explain "
+            "(epsilon squared; a range is cut into ten parts). What two parameters do only together is in no share. The rank "
+            "correlation (Spearman, of the differences from the variant's mean) says in which direction. A parameter that each "
+            "seed draws is compared seed by seed, and cannot be told from the rest of what that seed draws unless there are "
+            "many seeds; with too few it is left out."
         }
         figure { (PreEscaped(chart)) }
         table {
@@ -310,7 +314,7 @@ fn worst_runs(folder: &Folder, outcomes: &Outcomes, gallery: &Gallery) -> Result
             @if let Some((_, svg)) = picture { figure { (PreEscaped(svg)) } }
         }
         @if gallery.runs.is_empty() && !all.is_empty() {
-            p.dim { "Without pictures: the missions were not at hand when this report was written." }
+            p.dim { "Without pictures: the missions or their plugins were not at hand when this report was written, or have changed." }
         }
     })
 }

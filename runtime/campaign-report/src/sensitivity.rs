@@ -20,30 +20,33 @@ pub(crate) struct Sensitivity {
 /// The parameters by the share that they explain, the largest first. The runs of each arm are compared with the mean of
 /// that arm, so that a difference between arms counts for no parameter.
 pub(crate) fn sensitivities(outcomes: &Outcomes, measure: usize) -> Vec<Sensitivity> {
-    let values = centred(outcomes, measure);
+    let of_runs = centred(outcomes, measure);
+    let of_seeds = means_of_seeds(outcomes, &of_runs);
     let mut all: Vec<Sensitivity> = outcomes
         .parameters
         .iter()
-        .filter_map(|(name, parameter)| {
-            let (groups, correlation) = match parameter {
+        .filter_map(|parameter| {
+            // What a seed draws is one value for all of its runs.
+            let values = if parameter.of_seed { &of_seeds } else { &of_runs };
+            let (groups, correlation) = match &parameter.values {
                 Values::Numbers(numbers) => {
                     let pairs: Vec<(f64, f64)> = numbers
                         .iter()
-                        .zip(&values)
+                        .zip(values)
                         .filter_map(|(number, value)| Some(((*number)?, (*value)?)))
                         .collect();
                     (grouped(&pairs), rank_correlation(&pairs))
                 }
                 Values::Texts(places, texts) => {
                     let mut groups = vec![Vec::new(); texts.len()];
-                    for (place, value) in places.iter().zip(&values) {
+                    for (place, value) in places.iter().zip(values) {
                         groups[*place].extend(*value);
                     }
                     (groups, None)
                 }
             };
             Some(Sensitivity {
-                parameter: name.clone(),
+                parameter: parameter.name.clone(),
                 share: explained(&groups)?,
                 correlation,
             })
@@ -51,6 +54,28 @@ pub(crate) fn sensitivities(outcomes: &Outcomes, measure: usize) -> Vec<Sensitiv
         .collect();
     all.sort_by(|one, other| other.share.total_cmp(&one.share));
     all
+}
+
+/// For the first run of each seed the mean of all values of the seed, and nothing for its other runs.
+fn means_of_seeds(outcomes: &Outcomes, values: &[Option<f64>]) -> Vec<Option<f64>> {
+    let mut sums = vec![(0.0, 0u64, None); outcomes.seeds as usize];
+    for arm in &outcomes.arms {
+        for run in outcomes.range(arm) {
+            let (sum, count, first) = &mut sums[outcomes.seed_of(arm, run)];
+            first.get_or_insert(run);
+            if let Some(value) = values[run] {
+                *sum += value;
+                *count += 1;
+            }
+        }
+    }
+    let mut means = vec![None; values.len()];
+    for (sum, count, first) in sums {
+        if let Some(first) = first.filter(|_| count > 0) {
+            means[first] = Some(sum / count as f64);
+        }
+    }
+    means
 }
 
 /// Each run's value less the mean of its arm.
@@ -89,8 +114,43 @@ fn grouped(pairs: &[(f64, f64)]) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::outcome::Arm;
+    use crate::outcome::{Arm, Parameter};
     use backseat_world::Stream;
+
+    fn named(name: &str, values: Values) -> Parameter {
+        Parameter {
+            name: name.to_owned(),
+            values,
+            of_seed: false,
+        }
+    }
+
+    #[test]
+    fn what_few_seeds_draw_explains_nothing() {
+        // Six seeds with a world each, at six points: the drawn value stands for the seed.
+        let (seeds, points) = (6_i32, 6_i32);
+        let worlds: Vec<f64> = (0..seeds).map(|seed| f64::from(seed * seed)).collect();
+        let runs = || (0..points).flat_map(|_| 0..seeds as usize);
+        let outcomes = Outcomes {
+            arms: vec![Arm {
+                name: "a".to_owned(),
+                first: 0,
+                runs: (seeds * points) as u64,
+            }],
+            seeds: seeds as u64,
+            passed: vec![true; 36],
+            flown: vec![true; 36],
+            violations: vec![0; 36],
+            reasons: Vec::new(),
+            measures: vec![("m".to_owned(), runs().map(|seed| Some(worlds[seed])).collect())],
+            parameters: vec![Parameter {
+                of_seed: true,
+                ..named("drawn", Values::Numbers(runs().map(|seed| Some(seed as f64)).collect()))
+            }],
+            leading: None,
+        };
+        assert_eq!(sensitivities(&outcomes, 0), []);
+    }
 
     #[test]
     fn the_parameter_that_moves_the_measure_comes_first() {
@@ -109,18 +169,17 @@ mod tests {
                 first: 0,
                 runs: count as u64,
             }],
+            seeds: count as u64,
             passed: vec![true; count],
             flown: vec![true; count],
             violations: vec![0; count],
+            reasons: Vec::new(),
             measures: vec![("m".to_owned(), measure)],
             parameters: vec![
-                ("none".to_owned(), numbers(none)),
-                (
-                    "kind".to_owned(),
-                    Values::Texts(kinds, vec!["x".to_owned(), "y".to_owned()]),
-                ),
-                ("weak".to_owned(), numbers(weak)),
-                ("strong".to_owned(), numbers(strong)),
+                named("none", numbers(none)),
+                named("kind", Values::Texts(kinds, vec!["x".to_owned(), "y".to_owned()])),
+                named("weak", numbers(weak)),
+                named("strong", numbers(strong)),
             ],
             leading: None,
         };

@@ -1,5 +1,6 @@
 //! The statistics of the report. Everything random is drawn from a fixed seed: the same results give the same report.
 
+use backseat_units::math::{exp, ln};
 use backseat_world::Stream;
 use statrs::distribution::{Binomial, DiscreteCDF as _};
 
@@ -17,21 +18,21 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// The interval of a share of successes, from 0 to 1: Wilson's score interval (JASA 22, 1927), or where nothing failed
-/// the rule of three (Hanley and Lippman-Hand, JAMA 249, 1983): the share of failures is at most 3/N.
+/// The interval of a share of successes, from 0 to 1, that was seen in so many cases: Wilson's score interval (JASA 22,
+/// 1927), or where nothing failed the exact bound behind the rule of three (Hanley and Lippman-Hand, JAMA 249, 1983): the
+/// share of failures is at most about 3/N.
 #[must_use]
-pub fn pass_rate(passed: u64, count: u64) -> Interval {
+pub fn pass_rate(share: f64, count: u64) -> Interval {
     let n = count as f64;
     if count == 0 {
         return Interval { low: 0.0, high: 1.0 };
     }
-    if passed == count {
+    if share >= 1.0 {
         return Interval {
-            low: (1.0 - 3.0 / n).max(0.0),
+            low: exp(ln(0.05) / n),
             high: 1.0,
         };
     }
-    let share = passed as f64 / n;
     let middle = (share + Z * Z / (2.0 * n)) / (1.0 + Z * Z / n);
     let half = Z / (1.0 + Z * Z / n) * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
     Interval {
@@ -166,14 +167,15 @@ mod tests {
     #[test]
     fn pass_rates_have_the_bounds_of_the_books() {
         // Newcombe, Statistics in Medicine 17, 1998, table I, method 3: 81 of 263 and 15 of 148.
-        let interval = pass_rate(81, 263);
+        let interval = pass_rate(81.0 / 263.0, 263);
         near(interval.low, 0.2553);
         near(interval.high, 0.3662);
-        let interval = pass_rate(15, 148);
+        let interval = pass_rate(15.0 / 148.0, 148);
         near(interval.low, 0.0624);
         near(interval.high, 0.1605);
-        near(pass_rate(1000, 1000).low, 0.997);
-        assert_eq!(pass_rate(0, 0), Interval { low: 0.0, high: 1.0 });
+        near(pass_rate(1.0, 1000).low, 0.997_01);
+        near(pass_rate(1.0, 2).low, 0.223_6);
+        assert_eq!(pass_rate(0.0, 0), Interval { low: 0.0, high: 1.0 });
     }
 
     #[test]

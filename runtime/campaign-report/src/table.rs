@@ -3,28 +3,30 @@ use comfy_table::{CellAlignment, Table, presets};
 use crate::compare::Comparison;
 use crate::figure::{figure, percent, words};
 use crate::outcome::Outcomes;
-use crate::statistics::{pass_rate, quantile};
+use crate::statistics::quantile;
 
 /// What results show, for the terminal: pass rates, measures, and comparisons with the first variant.
 #[must_use]
 pub fn table(outcomes: &Outcomes) -> String {
     let mut rates = new(&["variant", "runs", "passed", "95 % interval", "not flown", "violations"]);
     for arm in &outcomes.arms {
-        let range = outcomes.range(arm);
-        let passed = outcomes.passed[range.clone()].iter().filter(|passed| **passed).count() as u64;
-        let interval = pass_rate(passed, arm.runs);
-        let not_flown = outcomes.flown[range.clone()].iter().filter(|flown| !**flown).count();
-        let violations: u64 = outcomes.violations[range].iter().sum();
+        let (passed, flown) = outcomes.passed_of(arm);
+        let interval = outcomes.pass_interval(arm);
+        let not_flown = arm.runs - flown;
+        let violations: u64 = outcomes.violations[outcomes.range(arm)].iter().sum();
         rates.add_row([
             arm.name.clone(),
             arm.runs.to_string(),
-            format!("{passed} ({})", percent(passed as f64 / arm.runs.max(1) as f64)),
+            format!("{passed} ({})", percent(passed as f64 / flown.max(1) as f64)),
             format!("{} to {}", percent(interval.low), percent(interval.high)),
             not_flown.to_string(),
             violations.to_string(),
         ]);
     }
     let mut text = aligned(rates, 1);
+    for (count, reason) in &outcomes.reasons {
+        text.push_str(&format!(" {count} x {reason}\n"));
+    }
     let shown = || (0..outcomes.measures.len()).filter(|measure| !outcomes.measures[*measure].0.starts_with("margin."));
     let mut measures = new(&["measure", "variant", "runs", "least", "5 %", "median", "95 %", "most"]);
     for measure in shown() {
@@ -49,7 +51,7 @@ pub fn table(outcomes: &Outcomes) -> String {
     if let [first, others @ ..] = &outcomes.arms[..] {
         for other in others {
             text.push_str(&format!(
-                "\n{} compared with {}, pair by pair:\n",
+                "\n{} compared with {}, seed by seed:\n",
                 other.name, first.name
             ));
             for measure in shown() {

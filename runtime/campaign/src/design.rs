@@ -79,6 +79,14 @@ impl Ends {
         }
     }
 
+    /// How many values there are, if they are whole numbers.
+    pub(crate) fn count(self) -> Option<u64> {
+        match self {
+            Self::Integers(from, to) => Some(to.abs_diff(from).saturating_add(1)),
+            Self::Numbers(..) | Self::Logarithmic(..) => None,
+        }
+    }
+
     /// `steps` values from one end to the other.
     pub(crate) fn steps(self, steps: u32) -> Vec<Value> {
         let last = f64::from(steps.saturating_sub(1)).max(1.0);
@@ -203,11 +211,11 @@ impl Design {
         self.parameters.iter().map(|parameter| parameter.key.as_str())
     }
 
-    /// Whether a parameter's value depends on the seed too.
-    pub(crate) fn is_drawn_from_seeds(&self) -> bool {
+    /// For each parameter whether its value depends on the seed.
+    pub(crate) fn drawn_from_seeds(&self) -> impl Iterator<Item = bool> {
         self.parameters
             .iter()
-            .any(|parameter| matches!(parameter.source, Source::Seed(_)))
+            .map(|parameter| matches!(parameter.source, Source::Seed(_)))
     }
 
     /// Values of a parameter of every type that it has: all of a list, one of a range.

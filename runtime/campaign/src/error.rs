@@ -55,6 +55,12 @@ pub enum CampaignError {
         /// What is wrong with it, and what to do.
         message: String,
     },
+    /// A mission's files are not those with which the campaign began.
+    #[error("{}: changed or gone while the campaign flies: restore its files, and the same command goes on", path.display())]
+    Changed {
+        /// The mission's folder.
+        path: PathBuf,
+    },
     /// An option has an invalid value.
     #[error("{0}")]
     Option(String),

@@ -1,6 +1,5 @@
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -12,6 +11,7 @@ use crate::journal::JournalWriter;
 use crate::plan::{Key, Plan};
 use crate::row::Row;
 use crate::shard::Shard;
+use crate::stop::Stop;
 
 /// A thread takes so many runs at a time.
 const TAKEN: u64 = 8;
@@ -19,23 +19,6 @@ const TAKEN: u64 = 8;
 const SYNC_EVERY: Duration = Duration::from_secs(2);
 /// The progress is shown this often while nothing ends.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
-
-/// Tells a campaign to stop; the runs that are under way are given up, and flown again when it goes on.
-#[derive(Debug, Default)]
-pub struct Stop(AtomicBool);
-
-impl Stop {
-    /// Stops.
-    pub fn set(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether it shall stop.
-    #[must_use]
-    pub fn is_set(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
 
 /// What to fly.
 pub struct Order<'a> {
@@ -89,6 +72,7 @@ pub struct Ended {
 ///
 /// [`CampaignError`] if the journal cannot be read or written. What is in it stays.
 pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> Result<Ended, CampaignError> {
+    order.folder.is_divided_alike(order.shard)?;
     let (mut journal, done) = JournalWriter::open(
         &order.folder.journal(order.shard),
         &order.folder.manifest()?.identity(),
@@ -106,19 +90,23 @@ pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> R
     let per_point = order.plan.runs_of_point();
     pending.within = per_point;
     let pending = Mutex::new(pending);
-    let (rows, ended) = sync_channel(order.workers.max(1) * 16);
+    let (rows, ended) = sync_channel::<Told>(order.workers.max(1) * 16);
     let begun = now();
     let mut synced = begun;
     let written = thread::scope(|scope| {
         for _ in 0..order.workers.max(1) {
             let rows = rows.clone();
-            scope.spawn(|| work(order, stop, &pending, rows));
+            scope.spawn(|| work(order, stop, &pending, &rows));
         }
         drop(rows);
         loop {
             match ended.recv_timeout(LOOK_EVERY) {
-                Ok((run, wall_ns, row)) => {
-                    let row: Row = row;
+                Ok(Err(error)) => {
+                    stop.set();
+                    journal.sync()?;
+                    return Err(error);
+                }
+                Ok(Ok((run, wall_ns, row))) => {
                     progress.now += 1;
                     progress.missed += u64::from(row.flown() && !row.passed());
                     progress.not_flown += u64::from(!row.flown());
@@ -161,8 +149,11 @@ fn now() -> Instant {
     Instant::now()
 }
 
-fn work(order: &Order<'_>, stop: &Stop, pending: &Mutex<Pending>, rows: std::sync::mpsc::SyncSender<(u64, u64, Row)>) {
-    let per_seed = order.plan.is_drawn_from_seeds();
+/// A run's number, the nanoseconds that it took and its row, or why the campaign cannot go on.
+type Told = Result<(u64, u64, Row), CampaignError>;
+
+fn work(order: &Order<'_>, stop: &Stop, pending: &Mutex<Pending>, rows: &SyncSender<Told>) {
+    let per_seed = order.plan.drawn_from_seeds().any(|drawn| drawn);
     let mut prepared: Option<(Key, Result<Prepared, CampaignError>)> = None;
     loop {
         let taken = pending.lock().unwrap_or_else(PoisonError::into_inner).take();
@@ -181,12 +172,17 @@ fn work(order: &Order<'_>, stop: &Stop, pending: &Mutex<Pending>, rows: std::syn
                 Some((other, ready)) if same(&other) => ready,
                 _ => order.crew.prepare(order.plan, &key),
             };
+            if let Err(error @ CampaignError::Changed { .. }) = ready {
+                // Nobody reads it if the campaign has stopped already.
+                rows.send(Err(error)).ok();
+                return;
+            }
             let Some(row) = fly_row(&ready, order.plan, &key, stop) else {
                 return;
             };
             prepared = Some((key, ready));
             let wall_ns = u64::try_from(now().duration_since(begun).as_nanos()).unwrap_or(u64::MAX);
-            if rows.send((run, wall_ns, row)).is_err() {
+            if rows.send(Ok((run, wall_ns, row))).is_err() {
                 return;
             }
         }

@@ -25,11 +25,20 @@ const UNTIL_MAX_S: f64 = 86_400.0;
 #[serde(deny_unknown_fields)]
 pub struct DrawnFaults {
     /// The smallest and the largest number of faults in a run.
+    #[serde(deserialize_with = "two")]
     pub count: [u32; 2],
     /// The earliest time at which one begins, seconds after the start.
     pub from_s: f64,
     /// The latest time at which one begins, seconds after the start.
     pub until_s: f64,
+}
+
+/// Exactly two numbers: an array would leave a third out.
+fn two<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<[u32; 2], D::Error> {
+    let numbers = Vec::<u32>::deserialize(deserializer)?;
+    <[u32; 2]>::try_from(numbers).map_err(|numbers| {
+        serde::de::Error::custom(format!("count has {} numbers: expected [least, most]", numbers.len()))
+    })
 }
 
 impl DrawnFaults {

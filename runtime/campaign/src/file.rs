@@ -72,6 +72,9 @@ pub struct ParameterTable {
     /// How values are spread over the range instead.
     #[serde(default)]
     pub spread: Option<Spread>,
+    /// Whether the values are whole numbers.
+    #[serde(default)]
+    pub whole: bool,
     /// Whether the values are even in their logarithm.
     #[serde(default)]
     pub logarithmic: bool,
@@ -151,6 +154,10 @@ impl CampaignFile {
         if self.missions.is_empty() {
             return fault("missions is empty: expected at least one mission's folder".to_owned());
         }
+        let mut missions = BTreeSet::new();
+        if let Some(mission) = self.missions.iter().find(|mission| !missions.insert(*mission)) {
+            return fault(format!("missions has {} twice", mission.display()));
+        }
         let mut names = BTreeSet::new();
         for variant in &self.variants {
             if variant.name.is_empty() || !names.insert(&variant.name) {
@@ -160,10 +167,19 @@ impl CampaignFile {
                 ));
             }
         }
-        let mut keys = BTreeSet::new();
+        let mut keys: Vec<&str> = Vec::new();
         for parameter in &self.parameters {
-            if !keys.insert(parameter.key.as_str()) {
-                return fault(format!("parameter `{}` is given twice", parameter.key));
+            if let Some(other) = keys.iter().find(|other| overlap(other, &parameter.key)) {
+                return fault(format!(
+                    "parameter `{}` sets what parameter `{other}` sets",
+                    parameter.key
+                ));
+            }
+            keys.push(&parameter.key);
+        }
+        for (key, _) in flat(&self.set) {
+            if let Some(other) = keys.iter().find(|other| overlap(other, &key)) {
+                return fault(format!("set has `{key}`, and `{other}` is a parameter"));
             }
         }
         for (within, key) in self.variants.iter().flat_map(|variant| {
@@ -171,8 +187,8 @@ impl CampaignFile {
                 .into_iter()
                 .map(move |(key, _)| (variant.name.as_str(), key))
         }) {
-            if keys.contains(key.as_str()) {
-                return fault(format!("variant `{within}` sets `{key}`, which is a parameter too"));
+            if let Some(other) = keys.iter().find(|other| overlap(other, &key)) {
+                return fault(format!("variant `{within}` sets `{key}`, and `{other}` is a parameter"));
             }
         }
         if let Some(faults) = &self.faults {
@@ -192,16 +208,23 @@ impl ParameterTable {
         let key = self.key.clone();
         let fault = |message: &str| format!("parameter `{key}`: {message}");
         let source = match (&self.values, &self.from, &self.to) {
-            (Some(values), None, None) if self.steps.is_none() && self.spread.is_none() && !self.logarithmic => {
+            (Some(values), None, None) if self.stands_alone() => {
                 if values.is_empty() {
                     return Err(fault("values is empty: expected at least one value"));
                 }
                 Source::Listed(values.iter().map(Value::of).collect())
             }
             (None, Some(from), Some(to)) => {
-                let ends = ends(from, to, self.logarithmic).map_err(|message| fault(&message))?;
+                let ends = self.ends(from, to).map_err(|message| fault(&message))?;
                 match (self.steps, self.spread) {
-                    (Some(steps), None) if (2..=STEPS_MAX).contains(&steps) => Source::Listed(ends.steps(steps)),
+                    (Some(steps), None) if (2..=STEPS_MAX).contains(&steps) => {
+                        if let Some(most) = ends.count().filter(|most| *most < u64::from(steps)) {
+                            return Err(fault(&format!(
+                                "steps is {steps}, but the range has only {most} whole numbers"
+                            )));
+                        }
+                        Source::Listed(ends.steps(steps))
+                    }
                     (Some(steps), None) => {
                         return Err(fault(&format!("steps is {steps}: expected 2 to {STEPS_MAX}")));
                     }
@@ -223,9 +246,18 @@ impl ParameterTable {
         };
         Ok(Parameter { key, source })
     }
+
+    /// Whether nothing is said of a range.
+    fn stands_alone(&self) -> bool {
+        self.steps.is_none() && self.spread.is_none() && !self.logarithmic && !self.whole
+    }
+
+    fn ends(&self, from: &Toml, to: &Toml) -> Result<Ends, String> {
+        ends(from, to, self.whole, self.logarithmic)
+    }
 }
 
-fn ends(from: &Toml, to: &Toml, logarithmic: bool) -> Result<Ends, String> {
+fn ends(from: &Toml, to: &Toml, whole: bool, logarithmic: bool) -> Result<Ends, String> {
     let number = |value: &Toml| match value {
         Toml::Integer(value) => Some(*value as f64),
         Toml::Float(value) => value.is_finite().then_some(*value),
@@ -237,12 +269,27 @@ fn ends(from: &Toml, to: &Toml, logarithmic: bool) -> Result<Ends, String> {
     if low >= high {
         return Err(format!("from is {low} and to is {high}: expected from below to"));
     }
-    match (from, to, logarithmic) {
-        (_, _, true) if low <= 0.0 => Err(format!("from is {low}: a logarithmic range begins above 0")),
-        (_, _, true) => Ok(Ends::Logarithmic(low, high)),
-        (Toml::Integer(from), Toml::Integer(to), false) => Ok(Ends::Integers(*from, *to)),
+    match (from, to) {
+        _ if whole && logarithmic => Err("expected either whole = true or logarithmic = true".to_owned()),
+        (Toml::Integer(from), Toml::Integer(to)) if whole => Ok(Ends::Integers(*from, *to)),
+        _ if whole => Err(format!(
+            "from is {low} and to is {high}: expected whole numbers, because of whole = true"
+        )),
+        _ if logarithmic && low <= 0.0 => Err(format!("from is {low}: a logarithmic range begins above 0")),
+        _ if logarithmic => Ok(Ends::Logarithmic(low, high)),
         _ => Ok(Ends::Numbers(low, high)),
     }
+}
+
+/// Whether two keys set the same: they are equal, or one is a table that the other is in.
+pub(crate) fn overlap(one: &str, other: &str) -> bool {
+    let (short, long) = if one.len() < other.len() {
+        (one, other)
+    } else {
+        (other, one)
+    };
+    long.strip_prefix(short)
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
 /// The keys of a table joined by dots, with their values: `{a.b = 1}` and `{"a.b" = 1}` are the same.
@@ -316,7 +363,7 @@ mod tests {
                 &format!(
                     "{head}[[variant]]\nname = \"a\"\nset = {{ k.x = 1 }}\n[[parameter]]\nkey = \"k.x\"\nvalues = [1]\n"
                 ),
-                "variant `a` sets `k.x`, which is a parameter too",
+                "variant `a` sets `k.x`, and `k.x` is a parameter",
             ),
         ] {
             let error = read(text).unwrap_err();
@@ -331,7 +378,7 @@ mod tests {
             table.resolve().map(|parameter| parameter.source)
         };
         assert_eq!(
-            resolve("from = 1\nto = 3\nspread = \"seed\""),
+            resolve("from = 1\nto = 3\nspread = \"seed\"\nwhole = true"),
             Ok(Source::Seed(Ends::Integers(1, 3)))
         );
         for (text, expected) in [
@@ -342,6 +389,8 @@ mod tests {
             ("from = \"a\"\nto = 2\nsteps = 2", "two finite numbers"),
             ("from = 0.0\nto = 2.0\nsteps = 2\nlogarithmic = true", "begins above 0"),
             ("values = [1]\nfrom = 2", "expected either values"),
+            ("from = 0\nto = 1\nsteps = 5\nwhole = true", "only 2 whole numbers"),
+            ("from = 0.5\nto = 1\nsteps = 2\nwhole = true", "expected whole numbers"),
             ("", "expected either values"),
         ] {
             let error = resolve(text).unwrap_err();

@@ -12,10 +12,10 @@ use backseat_sim::{Report, Simulation, Trace};
 use sha2::{Digest as _, Sha256};
 
 use crate::error::CampaignError;
-use crate::execute::Stop;
 use crate::faults::DrawnFaults;
 use crate::plan::{Key, Plan};
 use crate::row::Row;
+use crate::stop::Stop;
 
 /// The simulation looks this often, in events, whether it shall stop.
 const LOOK_EVERY: u32 = 4096;
@@ -24,6 +24,8 @@ const LOOK_EVERY: u32 = 4096;
 pub struct Crew {
     host: Host,
     folder: Option<PathBuf>,
+    /// By the mission's folder: its files when they were first read.
+    seen: Mutex<BTreeMap<PathBuf, Fingerprint>>,
     /// By the mission's folder and the components that it names.
     compiled: Mutex<BTreeMap<(PathBuf, Vec<String>), Components>>,
 }
@@ -55,6 +57,7 @@ impl Crew {
         Self {
             host,
             folder,
+            seen: Mutex::new(BTreeMap::new()),
             compiled: Mutex::new(BTreeMap::new()),
         }
     }
@@ -63,8 +66,30 @@ impl Crew {
     ///
     /// # Errors
     ///
-    /// [`CampaignError`] of the mission, the scenario or a plugin.
+    /// [`CampaignError`] of the mission, the scenario or a plugin; [`CampaignError::Changed`] if the mission's files are not
+    /// those of the first run.
     pub fn prepare(&self, plan: &Plan, key: &Key) -> Result<Prepared, CampaignError> {
+        let place = plan.place(key);
+        self.is_unchanged(&place)?;
+        let prepared = self.prepare_unchecked(plan, key);
+        // Also if it changed while it was read, or cannot be read because it is gone.
+        self.is_unchanged(&place)?;
+        prepared
+    }
+
+    /// Checks that a mission's files are those that were there first.
+    fn is_unchanged(&self, folder: &Path) -> Result<(), CampaignError> {
+        let now = Fingerprint::of(folder);
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        if *seen.entry(folder.to_path_buf()).or_insert_with(|| now.clone()) == now {
+            return Ok(());
+        }
+        Err(CampaignError::Changed {
+            path: folder.to_path_buf(),
+        })
+    }
+
+    fn prepare_unchecked(&self, plan: &Plan, key: &Key) -> Result<Prepared, CampaignError> {
         let (mission_sets, world_sets) = plan.sets(key);
         let layers = Layers {
             set: mission_sets,
@@ -105,6 +130,33 @@ impl Crew {
         plugins
             .map(|(plugin, path)| Ok((plugin.name.clone(), hash_file(&path)?)))
             .collect()
+    }
+}
+
+/// What tells two states of a mission's folder apart: for each file its content or, if it is large, its size and time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Fingerprint(Vec<(std::ffi::OsString, String)>);
+
+impl Fingerprint {
+    fn of(folder: &Path) -> Self {
+        /// Files of missions that people write are smaller.
+        const SMALL: u64 = 1 << 20;
+        let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+        let mut files: Vec<_> = entries
+            .filter_map(|entry| {
+                let about = std::fs::metadata(entry.path())
+                    .ok()
+                    .filter(std::fs::Metadata::is_file)?;
+                let state = if about.len() <= SMALL {
+                    hash_file(&entry.path()).ok()?
+                } else {
+                    format!("{} {:?}", about.len(), about.modified().ok())
+                };
+                Some((entry.file_name(), state))
+            })
+            .collect();
+        files.sort();
+        Self(files)
     }
 }
 

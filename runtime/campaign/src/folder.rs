@@ -60,6 +60,12 @@ impl Folder {
                 format!("has results of another campaign: {difference}: give another folder"),
             ));
         }
+        folder.remove_unfinished();
+        if there != *manifest {
+            // What the report shows, or a comment in the campaign's file.
+            std::fs::remove_file(&file).map_err(|source| CampaignError::file(&file, source))?;
+            folder.write_new(&file, manifest)?;
+        }
         Ok(folder)
     }
 
@@ -109,6 +115,29 @@ impl Folder {
         self.journals().join(format!("{}.journal", shard.name()))
     }
 
+    /// Checks that no journal is of another number of shards: its runs would be flown twice.
+    pub(crate) fn is_divided_alike(&self, shard: Shard) -> Result<(), CampaignError> {
+        for path in self.all_journals()? {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let count = name
+                .rsplit_once("-of-")
+                .and_then(|(_, count)| count.parse::<u64>().ok());
+            if count.is_some_and(|count| count != shard.count()) {
+                let count = count.unwrap_or_default();
+                let what = if count == 1 {
+                    "was flown without shards: leave --shard out".to_owned()
+                } else {
+                    format!("is flown in {count} shards: give --shard I/{count}, or merge them when all are flown")
+                };
+                return Err(CampaignError::folder(
+                    &self.path,
+                    format!("this campaign {what}, or give another folder"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// The journals of all shards, by name.
     pub(crate) fn all_journals(&self) -> Result<Vec<PathBuf>, CampaignError> {
         let path = self.journals();
@@ -128,6 +157,21 @@ impl Folder {
 
     fn journals(&self) -> PathBuf {
         self.path.join(JOURNALS)
+    }
+
+    /// Removes what a killed process has left half written.
+    fn remove_unfinished(&self) {
+        let entries = fs::read_dir(&self.path).into_iter().flatten().filter_map(Result::ok);
+        for entry in entries {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if [".runs.parquet.", ".timing.parquet.", ".report.html."]
+                .iter()
+                .any(|start| name.starts_with(start))
+            {
+                // It does no harm.
+                fs::remove_file(entry.path()).ok();
+            }
+        }
     }
 
     /// Writes the manifest unless another shard has done so at the same moment. Nobody sees half of it.

@@ -26,10 +26,11 @@ mod row;
 mod seeds;
 mod shard;
 mod slurm;
+mod stop;
 
 pub use design::Value;
 pub use error::CampaignError;
-pub use execute::{Ended, Order, Progress, Stop, fly};
+pub use execute::{Ended, Order, Progress, fly};
 pub use faults::{DrawnFaults, Interference};
 pub use file::{Better, CampaignFile};
 pub use flight::{Crew, Flown, Prepared};
@@ -42,3 +43,4 @@ pub use results::{Finished, finish, pending};
 pub use seeds::Seeds;
 pub use shard::Shard;
 pub use slurm::Slurm;
+pub use stop::Stop;

@@ -135,8 +135,12 @@ impl Manifest {
     /// The SHA-256 of everything that the results depend on.
     #[must_use]
     pub fn identity(&self) -> String {
+        // The outline has everything of the campaign's file that decides a run.
         let mut same = self.clone();
         same.folder = PathBuf::new();
+        same.campaign.clear();
+        same.seeds = None;
+        same.set.clear();
         hash(same.to_json().as_bytes())
     }
 
@@ -159,6 +163,12 @@ impl Manifest {
         if self.outline.missions != other.outline.missions {
             return Some(format!("its missions are {}", self.outline.missions.join(", ")));
         }
+        if self.outline.seeds != other.outline.seeds {
+            return Some(format!("its seeds are {}", self.outline.seeds));
+        }
+        if self.outline != other.outline {
+            return Some("its variants, parameters, faults or --set are others".to_owned());
+        }
         for (name, hashes) in &self.missions {
             let Some(theirs) = other.missions.get(name) else {
                 continue;
@@ -174,10 +184,7 @@ impl Manifest {
             let component = component.rsplit_once('/').map_or(component.as_str(), |(name, _)| name);
             return Some(format!("the component of {} has changed", component.replace("//", "/")));
         }
-        if self.outline.seeds != other.outline.seeds {
-            return Some(format!("its seeds are {}", self.outline.seeds));
-        }
-        Some("its campaign file or --set differs".to_owned())
+        Some("its manifest differs".to_owned())
     }
 
     pub(crate) fn to_json(&self) -> String {

@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::design::{Design, Value};
 use crate::error::CampaignError;
 use crate::faults::DrawnFaults;
-use crate::file::{Better, CampaignFile, flat};
+use crate::file::{Better, CampaignFile, flat, overlap};
 use crate::seeds::Seeds;
 
 /// The most runs of a campaign.
@@ -80,6 +80,20 @@ impl Plan {
             .collect::<Result<Vec<_>, _>>()?;
         let design = Design::new(parameters, file.points).map_err(fault)?;
         let points = design.count().map_err(fault)?;
+        for set in sets {
+            let key = set.split('=').next().unwrap_or_default().trim();
+            let parameters = file.parameters.iter().map(|parameter| parameter.key.clone());
+            let of_variants = file.variants.iter().flat_map(|variant| flat(&variant.set));
+            if let Some(other) = parameters
+                .chain(of_variants.map(|(key, _)| key))
+                .find(|other| overlap(other, key))
+            {
+                return Err(CampaignError::Option(format!(
+                    "--set {set}: {} sets {other} itself: leave it out",
+                    path.display()
+                )));
+            }
+        }
         let common: Vec<String> = lines(&file.set).into_iter().chain(sets.iter().cloned()).collect();
         let with_common = |own: Vec<String>| common.iter().cloned().chain(own).collect();
         let mut variants: Vec<Variant> = file
@@ -183,10 +197,9 @@ impl Plan {
         self.design.samples(place, self.seeds.at(0).unwrap_or_default())
     }
 
-    /// Whether two runs of the same point may differ in more than their seed.
-    #[must_use]
-    pub fn is_drawn_from_seeds(&self) -> bool {
-        self.design.is_drawn_from_seeds()
+    /// For each parameter whether its value is drawn from the seed: then runs of one point differ in it.
+    pub fn drawn_from_seeds(&self) -> impl Iterator<Item = bool> {
+        self.design.drawn_from_seeds()
     }
 
     /// Everything that a run sets: of `mission.toml`, then of `world.toml`.

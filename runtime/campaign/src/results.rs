@@ -75,23 +75,32 @@ pub fn finish(plan: &Plan, folders: &[Folder], out: &Folder) -> Result<Finished,
 /// [`CampaignError`] if a journal cannot be read.
 pub fn pending(plan: &Plan, folder: &Folder) -> Result<u64, CampaignError> {
     let journals = read(std::slice::from_ref(folder), folder)?;
-    let mut flown = vec![0u64; (plan.runs() as usize).div_ceil(64)];
-    let mut count = 0;
-    for place in journals.iter().flat_map(|journal| &journal.rows) {
-        if let Some(word) = flown.get_mut((place.run / 64) as usize) {
-            let bit = 1 << (place.run % 64);
-            count += u64::from(*word & bit == 0);
-            *word |= bit;
-        }
-    }
-    Ok(plan.runs().saturating_sub(count))
+    let mut flown: Vec<u64> = journals
+        .iter()
+        .flat_map(|journal| &journal.rows)
+        .map(|place| place.run)
+        .collect();
+    flown.sort_unstable();
+    flown.dedup();
+    Ok(plan.runs().saturating_sub(flown.len() as u64))
 }
 
 fn read(folders: &[Folder], out: &Folder) -> Result<Vec<Journal>, CampaignError> {
     let ours = out.manifest()?;
     let identity = ours.identity();
     let mut journals = Vec::new();
+    let mut known = BTreeSet::new();
     for folder in folders {
+        let place = folder
+            .path()
+            .canonicalize()
+            .unwrap_or_else(|_| folder.path().to_path_buf());
+        if !known.insert(place) {
+            return Err(CampaignError::folder(
+                folder.path(),
+                "is given twice: give each folder once",
+            ));
+        }
         if let Some(difference) = folder.manifest()?.difference(&ours) {
             return Err(CampaignError::folder(
                 folder.path(),
@@ -110,6 +119,18 @@ fn read(folders: &[Folder], out: &Folder) -> Result<Vec<Journal>, CampaignError>
 
 /// For each run the journal that has it, and its place there.
 fn index(plan: &Plan, journals: &[Journal], out: &Folder) -> Result<Vec<(u32, Place)>, CampaignError> {
+    let rows: u64 = journals.iter().map(|journal| journal.rows.len() as u64).sum();
+    if rows < plan.runs() {
+        // Without a table of all runs, of which there may be very many.
+        let mut flown: Vec<u64> = journals
+            .iter()
+            .flat_map(|journal| &journal.rows)
+            .map(|place| place.run)
+            .collect();
+        flown.sort_unstable();
+        flown.dedup();
+        return Err(lacking(out, &flown, plan.runs()));
+    }
     let mut index: Vec<Option<(u32, Place)>> = vec![None; plan.runs() as usize];
     for (number, journal) in (0..).zip(journals) {
         for place in &journal.rows {
@@ -137,26 +158,32 @@ fn index(plan: &Plan, journals: &[Journal], out: &Folder) -> Result<Vec<(u32, Pl
     }
     let whole: Option<Vec<_>> = index.iter().copied().collect();
     whole.ok_or_else(|| {
-        let missing = gaps(index.iter().map(Option::is_some));
-        CampaignError::folder(
-            out.path(),
-            format!("runs are missing: {missing}: fly them with the same command as the others, or give their folder to `campaign merge`"),
-        )
+        let flown = (0..).zip(&index).filter(|(_, there)| there.is_some());
+        let flown: Vec<u64> = flown.map(|(run, _)| run).collect();
+        lacking(out, &flown, plan.runs())
     })
 }
 
-/// The ranges of what is false, as text; the first few of them.
-fn gaps(there: impl Iterator<Item = bool>) -> String {
+fn lacking(out: &Folder, flown: &[u64], runs: u64) -> CampaignError {
+    CampaignError::folder(
+        out.path(),
+        format!(
+            "runs are missing: {}: fly them with the same command as the others, or give their folder to `campaign merge`",
+            gaps(flown, runs)
+        ),
+    )
+}
+
+/// The ranges of runs that are not among these sorted ones, as text; the first few of them.
+fn gaps(flown: &[u64], runs: u64) -> String {
     const SHOWN: usize = 5;
     let mut ranges: Vec<(u64, u64)> = Vec::new();
-    for (run, there) in (0..).zip(there) {
-        if there {
-            continue;
+    let mut next = 0;
+    for run in flown.iter().copied().chain([runs]) {
+        if run > next {
+            ranges.push((next, run - 1));
         }
-        match ranges.last_mut() {
-            Some((_, last)) if *last + 1 == run => *last = run,
-            _ => ranges.push((run, run)),
-        }
+        next = run + 1;
     }
     let count: u64 = ranges.iter().map(|(first, last)| last - first + 1).sum();
     let shown: Vec<String> = ranges

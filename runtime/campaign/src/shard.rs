@@ -26,6 +26,11 @@ impl Shard {
         place(self.index - 1)..place(self.index)
     }
 
+    /// How many shards there are.
+    pub(crate) const fn count(self) -> u64 {
+        self.count
+    }
+
     /// A name for files: `2-of-7`.
     #[must_use]
     pub fn name(self) -> String {

@@ -38,7 +38,7 @@ pub(crate) struct Soak {
 type Task = (&'static str, fn() -> Result<()>);
 
 /// The steps, the longest last.
-const TASKS: [Task; 13] = [
+const TASKS: [Task; 14] = [
     ("property tests, other and more cases", properties),
     ("seeds of the reference missions", flights),
     ("same bytes in debug and release", same_bytes),
@@ -48,7 +48,8 @@ const TASKS: [Task; 13] = [
     ("dives with faults, replayed", || long(&["replays", "--dives", "100"])),
     ("faulty plugins beside a good one", || long(&["beside"])),
     ("stuck terminals and disks around the runtime", || long(&["stuck"])),
-    ("a frozen file system under the log", frozen),
+    ("a frozen file system under the log", || where_possible("frozen")),
+    ("a campaign on Slurm", || where_possible("slurm")),
     ("clients over TCP", || long(&["tcp", "--minutes", "5"])),
     ("a simulated month", || long(&["year", "--days", "30"])),
     ("hunt", hunts),
@@ -137,10 +138,10 @@ impl fmt::Display for NotShown {
 
 impl std::error::Error for NotShown {}
 
-/// Where a file system cannot be frozen (not as root, in most containers) the tool reports why, and ends with
-/// [`SKIPPED`].
-fn frozen() -> Result<()> {
-    let mut command = long_command(&["frozen"])?;
+/// Runs a step that is not possible everywhere. Where it is not (no file system can be frozen, Slurm is not installed), the
+/// tool reports why, and ends with [`SKIPPED`].
+fn where_possible(step: &str) -> Result<()> {
+    let mut command = long_command(&[step])?;
     let output = command
         .current_dir(root()?)
         .stderr(Stdio::inherit())
@@ -149,7 +150,10 @@ fn frozen() -> Result<()> {
     let said = String::from_utf8_lossy(&output.stdout);
     print!("{said}");
     if output.status.code() == Some(SKIPPED) {
-        let why = said.trim().trim_start_matches("NOT SHOWN: ");
+        let why = said
+            .trim()
+            .trim_start_matches("NOT SHOWN: ")
+            .trim_start_matches("not shown: ");
         return Err(NotShown(why.to_owned()).into());
     }
     anyhow::ensure!(output.status.success(), "{command:?} ended with {}", output.status);

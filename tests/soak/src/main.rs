@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use backseat_soak::stuck::{self, frozen};
-use backseat_soak::{beside, kills, replays, tcp, year};
+use backseat_soak::{beside, kills, replays, slurm, tcp, year};
 use clap::Parser;
 
 /// Long runs; exit code 1 if something is not as required
@@ -21,6 +21,8 @@ enum Cli {
     Beside(beside::Beside),
     /// Fly simulated dives with drawn faults, and replay their logs to the same bytes
     Replays(replays::Replays),
+    /// Fly a campaign on a Slurm of one node, kill a task and take the node away, as root; exit code 77 without Slurm
+    Slurm(slurm::Slurm),
     /// Measure the runtime's modifies and its response to the operator while standard error and disks are slow, stuck,
     /// full or closed
     Stuck(stuck::Stuck),
@@ -47,6 +49,14 @@ fn main() -> Result<ExitCode> {
         }
         Cli::Replays(arguments) => {
             let report = replays::run(&arguments)?;
+            (report.to_string(), report.faults())
+        }
+        Cli::Slurm(arguments) => {
+            let report = slurm::run(&arguments)?;
+            if !report.was_shown() {
+                println!("{report}");
+                return Ok(ExitCode::from(NOT_SHOWN));
+            }
             (report.to_string(), report.faults())
         }
         Cli::Stuck(arguments) => {

@@ -5,8 +5,8 @@ use backseat_campaign::{Crew, Folder, RUNS};
 use backseat_campaign_report::write;
 use clap::Args;
 
+use crate::arguments::folder;
 use crate::cache::host_with;
-use crate::cli::folder;
 use crate::output::say;
 
 #[derive(Debug, Args)]

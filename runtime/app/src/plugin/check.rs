@@ -25,7 +25,7 @@ pub(crate) struct Check {
     #[arg(long, value_name = "NAME")]
     plugin: Option<String>,
     /// Look in this folder first for other plugins that the mission names without a path
-    #[arg(long, value_name = "DIR", value_parser = crate::cli::folder)]
+    #[arg(long, value_name = "DIR", value_parser = crate::arguments::folder)]
     plugins: Option<PathBuf>,
     /// How many trials, with the seeds from 1 on
     #[arg(long, default_value_t = 20, value_name = "N", value_parser = value_parser!(u64).range(1..=100_000))]

@@ -19,7 +19,7 @@ fn studied() -> TempDir {
         folder.path(),
         "campaign.toml",
         "missions = [\"isobath\"]\nseeds = \"1..3\"\npoints = 2\n\
-         [set]\nworld.plan.1.timeout_s = 240\n\
+         [set]\nworld.plan.1.timeout_s = 100\n\
          [[variant]]\nname = \"slow\"\nset = { \"plugin.isobath.config.speed_mps\" = 1.2 }\n\
          [[variant]]\nname = \"fast\"\nset = { \"plugin.isobath.config.speed_mps\" = 1.8 }\n\
          [[parameter]]\nkey = \"world.sensors.altitude_noise_m\"\nfrom = 0.05\nto = 0.5\nspread = \"latin-hypercube\"\n\
@@ -66,12 +66,12 @@ fn journal(folder: &TempDir, out: &str) -> PathBuf {
 #[test]
 fn a_campaign_is_flown_compared_and_reported() {
     let folder = studied();
-    // Legs of four minutes meet no expectation of the mission.
+    // Legs of some minutes meet no expectation of the mission.
     let output = ends(campaign(&folder, &["campaign.toml", "--out", "all"]), 1);
     let text = &output.stdout;
     for part in [
         "slow",
-        "fast compared with slow, pair by pair:",
+        "fast compared with slow, seed by seed:",
         "contour rms, m",
         "report: all/report.html; rows: all/runs.parquet",
     ] {
@@ -161,11 +161,15 @@ fn what_does_not_belong_together_is_refused_in_a_line() {
         );
     }
     refused(&["merge", "gap"], "runs are missing: 4 of them (4..7)");
-    ends(
-        campaign(&folder, &["campaign.toml", "--out", "gap", "--shard", "1/2"]),
-        0,
+    refused(
+        &["campaign.toml", "--out", "gap", "--shard", "1/2"],
+        "is flown in 3 shards: give --shard I/3",
     );
-    refused(&["merge", "gap"], "twice");
+    refused(&["merge", "gap", "gap"], "is given twice");
+    refused(
+        &["campaign.toml", "--out", "new", "--set", "world.current.speed_mps=0.1"],
+        "sets world.current.speed_mps itself",
+    );
     refused(
         &["campaign.toml", "--out", "gap", "--seeds", "1..4"],
         "another campaign: its seeds are 1..3",
@@ -276,4 +280,46 @@ fn faults_are_drawn_and_a_run_with_them_can_be_flown_alone() {
     for seed in ["1", "2", "3", "4"] {
         assert!(text.contains(&alone(seed)), "seed {seed} has another digest");
     }
+}
+
+#[test]
+fn a_mission_that_changes_in_mid_campaign_stops_it() {
+    let folder = studied();
+    let process = campaign(&folder, &["campaign.toml", "--out", "changed", "--workers", "1"]).spawn();
+    let began = journal(&folder, "changed");
+    eventually(
+        Duration::from_secs(60),
+        || fs::metadata(&began).ok().filter(|file| file.len() > 1500),
+        || "no row was written".to_owned(),
+    );
+    let world = folder.path().join("isobath/world.toml");
+    let before = fs::read_to_string(&world).expect("it is there");
+    fs::write(&world, before.replace("slope = [0.02", "slope = [0.03")).expect("there is room");
+    let mut process = process;
+    assert_eq!(process.wait(Duration::from_secs(60)), Some(2));
+    assert!(
+        process.stderr().contains("changed or gone while the campaign flies"),
+        "{}",
+        process.stderr()
+    );
+    fs::write(&world, before).expect("there is room");
+    ends(campaign(&folder, &["campaign.toml", "--out", "changed"]), 1);
+    ends(campaign(&folder, &["campaign.toml", "--out", "all"]), 1);
+    assert!(
+        rows(&folder, "changed") == rows(&folder, "all"),
+        "rows are of two missions"
+    );
+}
+
+#[test]
+fn what_the_report_shows_can_be_corrected_afterwards() {
+    let folder = studied();
+    let file = folder.path().join("campaign.toml");
+    let right = fs::read_to_string(&file).expect("it is there");
+    fs::write(&file, right.replace("contour_rms_m", "contour_rmss")).expect("there is room");
+    let error = campaign(&folder, &["campaign.toml", "--out", "all"]).run();
+    assert!(error.stderr.contains("report.measure is `contour_rmss`"), "{error}");
+    fs::write(&file, format!("# corrected\n{right}")).expect("there is room");
+    let output = ends(campaign(&folder, &["campaign.toml", "--out", "all"]), 1);
+    assert!(output.stdout.contains("report: all/report.html"), "{output}");
 }

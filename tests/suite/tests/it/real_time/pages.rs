@@ -174,8 +174,8 @@ fn a_study_has_a_result_as_its_page_says() {
         &told,
         &[
             "report: study/current/report.html",
-            "noisy compared with as it is, pair by pair:",
-            "contour rms, m: larger: by ",
+            "noisy compared with as it is, seed by seed:",
+            "contour rms, m: larger: difference ",
             "  fault at 400 s for 20 s: ",
             "no rule broke",
             "$BFNVG,",

@@ -96,7 +96,8 @@ pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> R
     let written = thread::scope(|scope| {
         for _ in 0..order.workers.max(1) {
             let rows = rows.clone();
-            scope.spawn(|| work(order, stop, &pending, &rows));
+            let pending = &pending;
+            scope.spawn(move || work(order, stop, pending, &rows));
         }
         drop(rows);
         loop {

@@ -129,10 +129,12 @@ pub fn run(arguments: &Slurm) -> Result<SlurmReport> {
         .env("SLURM_CONF", &cluster.config)
         .output()?;
     good(&submitted, "campaign slurm --submit")?;
-    let mut report = SlurmReport::default();
-    // Its program is killed once it has some rows.
-    report.killed = cluster.in_mid_run(&shared, 1, || kill_program(&shared))?;
-    report.taken_away = cluster.in_mid_run(&shared, 2, || cluster.take_node_away())?;
+    let mut report = SlurmReport {
+        // Its program is killed once it has some rows.
+        killed: cluster.in_mid_run(&shared, 1, || kill_program(&shared))?,
+        taken_away: cluster.in_mid_run(&shared, 2, || cluster.take_node_away())?,
+        ..SlurmReport::default()
+    };
     let results = shared.join("runs.parquet");
     let page = shared.join("report.html");
     while !(results.is_file() && page.is_file()) {

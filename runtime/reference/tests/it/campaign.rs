@@ -30,8 +30,8 @@ fn read(document: &Table) -> Result<String, String> {
     {
         if !parameter.contains_key("values") {
             let chosen = parameter.contains_key("steps") || parameter.contains_key("spread");
-            parameter.entry("from").or_insert(Value::Float(0.01));
-            parameter.entry("to").or_insert(Value::Float(1e9));
+            parameter.entry("from").or_insert(Value::Integer(1));
+            parameter.entry("to").or_insert(Value::Integer(1_000_000_000));
             if !chosen {
                 parameter.insert("steps".to_owned(), Value::Integer(2));
             }

@@ -22,7 +22,7 @@ pub(crate) fn figure(value: f64) -> String {
 /// A share as a percentage.
 pub(crate) fn percent(share: f64) -> String {
     let hundred = 100.0 * share;
-    if hundred == 0.0 || hundred == 100.0 {
+    if hundred.abs() < 5e-4 || (hundred - 100.0).abs() < 5e-4 {
         format!("{hundred:.0} %")
     } else if (1.0..=99.0).contains(&hundred) {
         format!("{hundred:.1} %")
@@ -69,6 +69,20 @@ mod tests {
             (2.5e8, "2.50e8"),
         ] {
             assert_eq!(figure(value), text);
+        }
+    }
+
+    #[test]
+    fn shares_are_percentages() {
+        for (share, text) in [
+            (0.0, "0 %"),
+            (1e-17, "0 %"),
+            (1.0, "100 %"),
+            (0.5, "50.0 %"),
+            (0.0012, "0.120 %"),
+            (0.999, "99.900 %"),
+        ] {
+            assert_eq!(percent(share), text);
         }
     }
 

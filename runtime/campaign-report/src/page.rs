@@ -18,7 +18,7 @@ const STYLE: &str = "
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
 p.dim, .dim { color: var(--dim); } .bad { color: var(--bad); font-weight: 600; }
-table { border-collapse: collapse; margin: .5rem 0; } th, td { padding: .2rem .8rem .2rem 0; text-align: right; }
+table { border-collapse: collapse; margin: .5rem 0; } th, td { padding: .2rem .8rem .2rem 0; text-align: right; } td { white-space: nowrap; }
 th { border-bottom: 1px solid var(--line); font-weight: 600; } th:first-child, td:first-child, td.text, th.text { text-align: left; }
 figure { margin: 1rem 0; background: #fff; color: #000; border: 1px solid var(--line); border-radius: 6px; padding: .5rem; display: inline-block; max-width: 100%; }
 figure svg { max-width: 100%; height: auto; } figcaption { font-size: .9rem; padding: .2rem .5rem; }

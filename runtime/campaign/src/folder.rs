@@ -60,11 +60,9 @@ impl Folder {
                 format!("has results of another campaign: {difference}: give another folder"),
             ));
         }
-        folder.remove_unfinished();
-        if there != *manifest {
-            // What the report shows, or a comment in the campaign's file.
-            std::fs::remove_file(&file).map_err(|source| CampaignError::file(&file, source))?;
-            folder.write_new(&file, manifest)?;
+        // What the report shows, or a comment in the campaign's file. Where the missions are differs between computers.
+        if !there.is_written_alike(manifest) {
+            folder.replace(&file, manifest)?;
         }
         Ok(folder)
     }
@@ -159,8 +157,16 @@ impl Folder {
         self.path.join(JOURNALS)
     }
 
-    /// Removes what a killed process has left half written.
-    fn remove_unfinished(&self) {
+    /// Writes the manifest anew. Nobody misses it or sees half of it, because shards may read it meanwhile.
+    fn replace(&self, file: &Path, manifest: &Manifest) -> Result<(), CampaignError> {
+        let own = self.path.join(format!(".manifest-{}", std::process::id()));
+        fs::write(&own, manifest.to_json())
+            .and_then(|()| fs::rename(&own, file))
+            .map_err(|source| CampaignError::file(file, source))
+    }
+
+    /// Removes what a killed process has left half written. Only who is about to write the results may do so.
+    pub(crate) fn remove_unfinished(&self) {
         let entries = fs::read_dir(&self.path).into_iter().flatten().filter_map(Result::ok);
         for entry in entries {
             let name = entry.file_name().to_string_lossy().into_owned();

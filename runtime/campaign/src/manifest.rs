@@ -144,6 +144,11 @@ impl Manifest {
         hash(same.to_json().as_bytes())
     }
 
+    /// Whether the campaign's file and what was said beside it are the same, to the letter.
+    pub(crate) fn is_written_alike(&self, other: &Self) -> bool {
+        (&self.campaign, &self.seeds, &self.set) == (&other.campaign, &other.seeds, &other.set)
+    }
+
     /// In what another manifest differs, in words; `None` if their results belong together.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Option<String> {

@@ -31,6 +31,7 @@ pub fn finish(plan: &Plan, folders: &[Folder], out: &Folder) -> Result<Finished,
     let journals = read(folders, out)?;
     let index = index(plan, &journals, out)?;
     let sheet = Columns::new(plan, &journals);
+    out.remove_unfinished();
     let facts = [("campaign", out.manifest()?.identity())];
     let mut runs = Table::create(&out.path().join(RUNS), &sheet.sheet, &facts)?;
     let mut timing = Table::create(&out.path().join(TIMING), &timing_sheet(), &facts)?;

@@ -1,7 +1,6 @@
 use std::path::Path;
 
 use crate::plan::word;
-use crate::shard::Shard;
 
 /// A job of the Slurm workload manager that flies a campaign as an array of shards, and merges them when all are done.
 #[derive(Clone, Debug)]
@@ -85,12 +84,6 @@ impl Slurm<'_> {
             word(&self.program.display().to_string())
         ));
         text
-    }
-
-    /// The shards that the tasks fly.
-    pub fn tasks(&self) -> impl Iterator<Item = Shard> {
-        let count = self.shards;
-        (1..=count).filter_map(move |index| format!("{index}/{count}").parse().ok())
     }
 }
 

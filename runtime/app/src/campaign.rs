@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 use backseat_campaign::{
-    Crew, Finished, Folder, Given, Order, Plan, Progress, Seeds, Shard, Stop, finish, fly, pending,
+    Crew, Finished, Folder, Given, Order, Plan, Progress, Seeds, Shard, Stop, finish, fly, pending, word,
 };
 use backseat_campaign_report::write;
 use backseat_reference::{MET, STOPPED, UNMET};
@@ -150,14 +150,29 @@ fn run(arguments: &CampaignArguments) -> Result<u8> {
             "stopped after {} of {runs} runs: the same command goes on",
             before + now
         ));
+        if arguments.json {
+            say!(
+                "{}",
+                serde_json::json!({
+                    "out": folder.path(),
+                    "stopped": true,
+                    "runs": runs,
+                    "flown": before + now,
+                    "flown_now": now,
+                })
+            );
+        }
         return Ok(STOPPED);
     }
     if arguments.shard.is_some() {
         let left = pending(plan, &folder)?;
+        if runs == 0 {
+            warn!("shard {shard} has no runs: the campaign has {} runs", plan.runs());
+        }
         let next = if left == 0 {
             format!(
                 "the campaign is whole: `backseat campaign merge {}`",
-                arguments.out.display()
+                word(&arguments.out.display().to_string())
             )
         } else {
             format!("{left} runs of other shards are not flown yet")
@@ -173,8 +188,15 @@ fn run(arguments: &CampaignArguments) -> Result<u8> {
         return Ok(MET);
     }
     let finished = finish(plan, std::slice::from_ref(&folder), &folder)?;
-    write(&folder, plan, Some(&crew))?;
+    warn_lacking(write(&folder, plan, Some(&crew))?);
     conclude(&folder, &finished, arguments.json)
+}
+
+/// Says why the report lacks pictures, if it does.
+fn warn_lacking(why: Option<String>) {
+    if let Some(why) = why {
+        warn!("the report lacks pictures of runs that could not be flown again, such as {why}");
+    }
 }
 
 /// Prints where the results are and what they are in a line; returns the exit code.
@@ -190,8 +212,10 @@ fn conclude(folder: &Folder, finished: &Finished, json: bool) -> Result<u8> {
             "{}",
             serde_json::json!({
                 "out": folder.path(),
+                "stopped": false,
                 "runs": runs,
                 "passed": passed,
+                "missed": runs - passed - not_flown,
                 "not_flown": not_flown,
                 "violations": violations,
             })
@@ -232,20 +256,25 @@ fn warn_beyond(plan: &Plan, crew: &Crew) -> Result<()> {
     Ok(())
 }
 
-/// Ctrl-C and SIGTERM stop the campaign; what it has flown is kept.
+/// Ctrl-C, SIGTERM and SIGHUP stop the campaign; what it has flown is kept.
 fn stop_at_signals(stop: &Arc<Stop>) -> Result<()> {
     let stop = Arc::clone(stop);
     let clock = Clock::start();
     let runtime = clock.runtime()?;
-    let (mut interrupt, mut terminate) = {
+    let (mut interrupt, mut terminate, mut hang_up) = {
         let _within = runtime.enter();
-        (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?)
+        (
+            signal(SignalKind::interrupt())?,
+            signal(SignalKind::terminate())?,
+            signal(SignalKind::hangup())?,
+        )
     };
     thread::spawn(move || {
         runtime.block_on(async move {
             tokio::select! {
                 _ = interrupt.recv() => {}
                 _ = terminate.recv() => {}
+                _ = hang_up.recv() => {}
             }
         });
         stop.set();
@@ -287,6 +316,12 @@ impl Screen {
             // What was flown before says nothing of the rate.
             self.bar.set_position(done);
             self.bar.reset_eta();
+            if progress.cut_off > 0 {
+                warn!(
+                    "the journal ended in {} damaged bytes: they are cut off, and the runs in them are flown again",
+                    progress.cut_off
+                );
+            }
         }
         self.bar.set_position(done);
         let mut message = String::new();

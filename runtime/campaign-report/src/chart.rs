@@ -1,10 +1,15 @@
 //! Charts as SVG, by plotters.
 
+use std::f64::consts::LN_10;
+
 use backseat_units::EastNorth;
+use backseat_units::math::{exp, ln};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::ReportError;
 use crate::figure::figure;
+use crate::statistics::quantile;
 
 /// Okabe and Ito's colours, which people with any colour vision can tell apart.
 const COLORS: [RGBColor; 7] = [
@@ -114,13 +119,79 @@ pub(crate) fn distributions(title: &str, series: &[Series<'_, f64>]) -> Result<O
     Ok(Some(text))
 }
 
-/// A measure over a parameter, one point a run.
+/// How the values of each series are spread, a row each, on one axis: a line from 5 to 95 % of the runs, a box over the
+/// middle half, and a tick at the median. The values are in ascending order.
+pub(crate) fn spreads(title: &str, series: &[Series<'_, f64>]) -> Result<Option<String>, ReportError> {
+    const ROW: u32 = 26;
+    let rows: Vec<(&str, [f64; 5])> = series
+        .iter()
+        .filter(|series| !series.values.is_empty())
+        .map(|series| {
+            let shares = [0.05, 0.25, 0.5, 0.75, 0.95];
+            (series.name, shares.map(|share| quantile(&series.values, share)))
+        })
+        .collect();
+    let Some((from, to)) = ends(rows.iter().flat_map(|(_, values)| *values)).map(roomy) else {
+        return Ok(None);
+    };
+    let mut text = String::new();
+    {
+        let height = 60 + ROW * rows.len() as u32;
+        let root = SVGBackend::with_string(&mut text, (SIZE.0, height)).into_drawing_area();
+        root.fill(&WHITE).map_err(failed)?;
+        let count = rows.len() as f64;
+        let mut chart = ChartBuilder::on(&root)
+            .margin(12)
+            .x_label_area_size(40)
+            // For the names.
+            .margin_left(180)
+            .build_cartesian_2d(from..to, 0.0..count)
+            .map_err(failed)?;
+        chart
+            .configure_mesh()
+            .disable_y_mesh()
+            .y_labels(0)
+            .light_line_style(TRANSPARENT)
+            .x_desc(title)
+            .x_label_formatter(&|value| figure(*value))
+            .label_style(TEXT)
+            .draw()
+            .map_err(failed)?;
+        for (place, (name, [least, low, median, high, most])) in rows.iter().enumerate() {
+            let middle = count - place as f64 - 0.5;
+            let color = color(place);
+            let line = PathElement::new([(*least, middle), (*most, middle)], color.stroke_width(2));
+            let tick = PathElement::new(
+                [(*median, middle - 0.32), (*median, middle + 0.32)],
+                color.stroke_width(3),
+            );
+            let within = Rectangle::new([(*low, middle - 0.3), (*high, middle + 0.3)], color.mix(0.35).filled());
+            chart.draw_series([line, tick]).map_err(failed)?;
+            chart.draw_series([within]).map_err(failed)?;
+            let (x, y) = chart.backend_coord(&(from, middle));
+            let short: String = name.chars().take(26).collect();
+            let style = TEXT.into_text_style(&root).pos(Pos::new(HPos::Right, VPos::Center));
+            root.draw(&Text::new(short, (x - 8, y), style)).map_err(failed)?;
+        }
+        root.present().map_err(failed)?;
+    }
+    Ok(Some(text))
+}
+
+/// A measure over a parameter, one point a run. A parameter that is even in its logarithm gets such an axis.
 pub(crate) fn scatter(
     across: &str,
     up: &str,
+    logarithmic: bool,
     series: &[Series<'_, (f64, f64)>],
 ) -> Result<Option<String>, ReportError> {
-    let xs = ends(series.iter().flat_map(|series| series.values.iter().map(|at| at.0)));
+    let place = |x: f64| if logarithmic { ln(x) / LN_10 } else { x };
+    let value = |place: f64| if logarithmic { exp(place * LN_10) } else { place };
+    let xs = ends(
+        series
+            .iter()
+            .flat_map(|series| series.values.iter().map(|at| place(at.0))),
+    );
     let ys = ends(series.iter().flat_map(|series| series.values.iter().map(|at| at.1)));
     let (Some(xs), Some(ys)) = (xs, ys) else {
         return Ok(None);
@@ -141,16 +212,16 @@ pub(crate) fn scatter(
             .light_line_style(TRANSPARENT)
             .x_desc(across)
             .y_desc(up)
-            .x_label_formatter(&|value| figure(*value))
+            .x_label_formatter(&|at| figure(value(*at)))
             .y_label_formatter(&|value| figure(*value))
             .label_style(TEXT)
             .draw()
             .map_err(failed)?;
-        for (place, series) in series.iter().enumerate() {
+        for (number, series) in series.iter().enumerate() {
             let points = series
                 .values
                 .iter()
-                .map(|at| Circle::new(*at, 2, color(place).mix(0.6).filled()));
+                .map(|at| Circle::new((place(at.0), at.1), 2, color(number).mix(0.6).filled()));
             chart.draw_series(points).map_err(failed)?;
         }
         root.present().map_err(failed)?;
@@ -300,15 +371,25 @@ mod tests {
                 name: "a",
                 values: values.clone(),
             }];
+            assert_eq!(spreads("m", &series).unwrap().is_none(), values.is_empty());
             let drawn = distributions("m", &series).unwrap();
             assert_eq!(drawn.is_none(), values.is_empty());
             let series = [Series {
                 name: "a",
                 values: pairs,
             }];
-            assert_eq!(scatter("p", "m", &series).unwrap().is_none(), values.is_empty());
+            assert_eq!(scatter("p", "m", false, &series).unwrap().is_none(), values.is_empty());
         }
         assert!(bars("share", &[("<a>".to_owned(), 0.5)]).unwrap().contains("&lt;a&gt;"));
+    }
+
+    #[test]
+    fn a_logarithmic_axis_is_labelled_with_the_values() {
+        let values = vec![(0.01, 1.0), (1.0, 2.0), (100.0, 3.0)];
+        let series = [Series { name: "a", values }];
+        let drawn = scatter("p", "m", true, &series).unwrap().unwrap();
+        let labelled = |text: &str| drawn.lines().any(|line| line.trim() == text);
+        assert!(labelled("0.01") && labelled("1") && labelled("100"), "{drawn}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-use backseat_campaign::{Crew, Key, Plan, Prepared, Stop};
+use backseat_campaign::{CampaignError, Crew, Key, Plan, Prepared, Stop};
 use backseat_fence::Kind;
 use backseat_sim::survey_map;
 use backseat_units::EastNorth;
@@ -27,6 +27,8 @@ pub struct Gallery {
     pub(crate) runs: Vec<(u64, String)>,
     /// By mission: its name, and the tracks of some runs of each arm, as SVG.
     pub(crate) maps: Vec<(String, String)>,
+    /// Why the first run that could not be flown again could not.
+    pub(crate) lacking: Option<String>,
 }
 
 impl Gallery {
@@ -40,9 +42,10 @@ impl Gallery {
         let mut gallery = Self::default();
         for worst in worst(outcomes, pictures as usize) {
             let Some(key) = plan.key(worst.run) else { continue };
-            gallery
-                .runs
-                .extend(picture(plan, crew, &key).map(|svg| (worst.run, svg)));
+            match picture(plan, crew, &key) {
+                Ok(svg) => gallery.runs.extend(svg.map(|svg| (worst.run, svg))),
+                Err(error) => gallery.lacks(worst.run, &error),
+            }
         }
         let per_mission = outcomes.arms.len() / plan.missions().max(1);
         for arms in outcomes.arms.chunks(per_mission.max(1)) {
@@ -57,8 +60,13 @@ impl Gallery {
                     let Some(key) = plan.key(run).filter(|_| outcomes.flown[run as usize]) else {
                         continue;
                     };
-                    let Some((prepared, track)) = track(plan, crew, &key) else {
-                        continue;
+                    let (prepared, track) = match track(plan, crew, &key) {
+                        Ok(Some(flown)) => flown,
+                        Ok(None) => continue,
+                        Err(error) => {
+                            gallery.lacks(run, &error);
+                            continue;
+                        }
                     };
                     drawn.push(track);
                     if rings.is_empty() {
@@ -77,28 +85,36 @@ impl Gallery {
         }
         Ok(gallery)
     }
+
+    fn lacks(&mut self, run: u64, error: &CampaignError) {
+        self.lacking.get_or_insert_with(|| format!("run {run}: {error}"));
+    }
 }
 
-fn picture(plan: &Plan, crew: &Crew, key: &Key) -> Option<String> {
-    let prepared = crew.prepare(plan, key).ok()?;
-    let flown = prepared.fly(key.seed, &Stop::default()).ok()??;
-    Some(survey_map(
-        &prepared.mission,
-        &prepared.scenario,
-        &flown.report,
-        &flown.trace,
-        &flown.mvc,
-    ))
+fn picture(plan: &Plan, crew: &Crew, key: &Key) -> Result<Option<String>, CampaignError> {
+    let prepared = crew.prepare(plan, key)?;
+    let flown = prepared.fly(key.seed, &Stop::default())?;
+    Ok(flown.map(|flown| {
+        survey_map(
+            &prepared.mission,
+            &prepared.scenario,
+            &flown.report,
+            &flown.trace,
+            &flown.mvc,
+        )
+    }))
 }
 
-fn track(plan: &Plan, crew: &Crew, key: &Key) -> Option<(Prepared, Vec<EastNorth>)> {
-    let prepared = crew.prepare(plan, key).ok()?;
-    let flown = prepared.fly(key.seed, &Stop::default()).ok()??;
+fn track(plan: &Plan, crew: &Crew, key: &Key) -> Result<Option<(Prepared, Vec<EastNorth>)>, CampaignError> {
+    let prepared = crew.prepare(plan, key)?;
+    let Some(flown) = prepared.fly(key.seed, &Stop::default())? else {
+        return Ok(None);
+    };
     let frame = *prepared.mission.envelope.fence().frame();
     let step = flown.trace.samples.len().div_ceil(POINTS).max(1);
     let samples = flown.trace.samples.iter().step_by(step);
     let track = samples.map(|sample| frame.to_local(sample.position)).collect();
-    Some((prepared, track))
+    Ok(Some((prepared, track)))
 }
 
 fn rings_of(prepared: &Prepared) -> Vec<Ring> {

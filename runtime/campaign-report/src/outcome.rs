@@ -44,6 +44,8 @@ pub(crate) struct Parameter {
     pub(crate) values: Values,
     /// Each seed has drawn one value.
     pub(crate) of_seed: bool,
+    /// Its values are even in their logarithm.
+    pub(crate) logarithmic: bool,
 }
 
 /// The values of a parameter.
@@ -92,11 +94,12 @@ impl Outcomes {
         };
         let parameters = parameters
             .iter()
-            .zip(plan.drawn_from_seeds())
-            .map(|(name, of_seed)| Parameter {
+            .zip(plan.drawn_from_seeds().zip(plan.logarithmic()))
+            .map(|(name, (of_seed, logarithmic))| Parameter {
                 name: (*name).to_owned(),
                 values: Values::of(columns.next().flatten()),
                 of_seed,
+                logarithmic,
             })
             .collect();
         let measures: Vec<(String, Vec<Option<f64>>)> = measures

@@ -3,11 +3,11 @@ use backseat_oracle::{Bound, Margin};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::ReportError;
-use crate::chart::{Series, bars, distributions, scatter};
+use crate::chart::{Series, bars, distributions, scatter, spreads};
 use crate::compare::{Comparison, Verdict};
 use crate::figure::{figure, percent, words};
 use crate::gallery::Gallery;
-use crate::outcome::{Arm, Outcomes, Values};
+use crate::outcome::{Arm, Outcomes, Parameter, Values};
 use crate::sensitivity::{Sensitivity, sensitivities};
 use crate::statistics::{mean, quantile};
 use crate::worst::worst;
@@ -26,6 +26,8 @@ code { font-size: .85rem; overflow-wrap: anywhere; } details { margin: .5rem 0; 
 ";
 /// Points of a scatter chart at most.
 const POINTS: usize = 1500;
+/// More distributions than this are not drawn over each other, but a row each.
+const OVERLAID: usize = 3;
 /// Rows of the worst runs, and of the reasons for which runs could not be flown.
 const WORST: usize = 12;
 const REASONS: usize = 10;
@@ -213,7 +215,12 @@ fn distribution(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportErr
             values: values.clone(),
         })
         .collect();
-    let Some(chart) = distributions(&words(name), &series)? else {
+    let draw = if series.len() > OVERLAID {
+        spreads
+    } else {
+        distributions
+    };
+    let Some(chart) = draw(&words(name), &series)? else {
         return Ok(html! {});
     };
     Ok(html! {
@@ -245,7 +252,7 @@ fn sensitivity(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportErro
     let mut scatters = Vec::new();
     for parameter in &outcomes.parameters {
         if let Values::Numbers(numbers) = &parameter.values
-            && let Some(svg) = scatter_of(outcomes, measure, &parameter.name, numbers)?
+            && let Some(svg) = scatter_of(outcomes, measure, parameter, numbers)?
         {
             scatters.push(svg);
         }
@@ -272,7 +279,7 @@ fn sensitivity(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportErro
 fn scatter_of(
     outcomes: &Outcomes,
     measure: usize,
-    name: &str,
+    parameter: &Parameter,
     numbers: &[Option<f64>],
 ) -> Result<Option<String>, ReportError> {
     let (title, values) = &outcomes.measures[measure];
@@ -289,7 +296,7 @@ fn scatter_of(
                 .collect(),
         })
         .collect();
-    scatter(name, &words(title), &series)
+    scatter(&parameter.name, &words(title), parameter.logarithmic, &series)
 }
 
 fn worst_runs(folder: &Folder, outcomes: &Outcomes, gallery: &Gallery) -> Result<Markup, ReportError> {

@@ -122,6 +122,7 @@ mod tests {
             name: name.to_owned(),
             values,
             of_seed: false,
+            logarithmic: false,
         }
     }
 

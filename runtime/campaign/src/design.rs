@@ -129,6 +129,8 @@ pub(crate) enum Source {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Parameter {
     pub(crate) key: String,
+    /// Whether a range is even in its logarithm.
+    pub(crate) logarithmic: bool,
     pub(crate) source: Source,
 }
 
@@ -218,6 +220,11 @@ impl Design {
             .map(|parameter| matches!(parameter.source, Source::Seed(_)))
     }
 
+    /// For each parameter whether its range is even in its logarithm.
+    pub(crate) fn logarithmic(&self) -> impl Iterator<Item = bool> {
+        self.parameters.iter().map(|parameter| parameter.logarithmic)
+    }
+
     /// Values of a parameter of every type that it has: all of a list, one of a range.
     pub(crate) fn samples(&self, place: usize, seed: u64) -> Vec<Value> {
         match &self.parameters[place].source {
@@ -277,6 +284,7 @@ mod tests {
     fn listed(key: &str, values: &[i64]) -> Parameter {
         Parameter {
             key: key.to_owned(),
+            logarithmic: false,
             source: Source::Listed(values.iter().copied().map(Value::Integer).collect()),
         }
     }
@@ -308,6 +316,7 @@ mod tests {
         let ends = Ends::Numbers(10.0, 20.0);
         let parameters = ["a", "b"].map(|key| Parameter {
             key: key.to_owned(),
+            logarithmic: false,
             source: Source::Latin(ends),
         });
         let design = Design::new(parameters.to_vec(), Some(50)).unwrap();
@@ -328,10 +337,12 @@ mod tests {
     fn another_parameter_does_not_change_what_is_drawn_for_the_first() {
         let latin = |key: &str| Parameter {
             key: key.to_owned(),
+            logarithmic: false,
             source: Source::Latin(Ends::Numbers(0.0, 1.0)),
         };
         let seeded = |key: &str| Parameter {
             key: key.to_owned(),
+            logarithmic: false,
             source: Source::Seed(Ends::Numbers(0.0, 1.0)),
         };
         let one = Design::new(vec![latin("a"), seeded("s")], Some(8)).unwrap();
@@ -347,6 +358,7 @@ mod tests {
     fn a_sobol_sequence_fills_the_square_evenly() {
         let parameters = ["a", "b"].map(|key| Parameter {
             key: key.to_owned(),
+            logarithmic: false,
             source: Source::Sobol(Ends::Numbers(0.0, 1.0)),
         });
         let design = Design::new(parameters.to_vec(), Some(64)).unwrap();
@@ -375,6 +387,7 @@ mod tests {
     fn points_and_parameters_must_fit() {
         let latin = Parameter {
             key: "a".to_owned(),
+            logarithmic: false,
             source: Source::Latin(Ends::Numbers(0.0, 1.0)),
         };
         for (parameters, points, expected) in [

@@ -53,6 +53,8 @@ pub struct Progress {
     pub not_flown: u64,
     /// Violations in the latter.
     pub violations: u64,
+    /// Bytes at the journal's end that were damaged and have been cut off: the runs in them are flown again.
+    pub cut_off: u64,
 }
 
 /// How the flying of a campaign ended.
@@ -83,6 +85,7 @@ pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> R
     let mut progress = Progress {
         runs: runs.end - runs.start,
         before: pending.done,
+        cut_off: done.damaged,
         ..Progress::default()
     };
     drop(done);

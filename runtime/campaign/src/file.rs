@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use toml::{Table, Value as Toml};
+use toml::{Spanned, Table, Value as Toml};
 
 use crate::design::{Ends, Parameter, Source, Value};
 use crate::error::CampaignError;
@@ -28,10 +28,10 @@ pub struct CampaignFile {
     pub set: Table,
     /// What is compared: each variant is flown with every mission, point and seed.
     #[serde(default, rename = "variant")]
-    pub variants: Vec<VariantTable>,
+    pub(crate) variants: Vec<VariantTable>,
     /// What differs from point to point.
     #[serde(default, rename = "parameter")]
-    pub parameters: Vec<ParameterTable>,
+    pub(crate) parameters: Vec<Spanned<ParameterTable>>,
     /// Faults that the seed draws, instead of the `[faults]` of the world.
     #[serde(default)]
     pub faults: Option<DrawnFaults>,
@@ -43,7 +43,7 @@ pub struct CampaignFile {
 /// A variant: a name for the results, and the keys that it sets.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct VariantTable {
+pub(crate) struct VariantTable {
     /// Its name in the results.
     pub name: String,
     /// The keys that it sets, such as `"plugin.isobath.component" = "isobath-old"`.
@@ -54,7 +54,7 @@ pub struct VariantTable {
 /// A parameter as it is written.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ParameterTable {
+pub(crate) struct ParameterTable {
     /// A key of `mission.toml`, or of `world.toml` behind `world.`.
     pub key: String,
     /// Its values.
@@ -83,7 +83,7 @@ pub struct ParameterTable {
 /// How the values of a parameter are spread over its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Spread {
+pub(crate) enum Spread {
     /// A Latin hypercube over the campaign's points.
     LatinHypercube,
     /// An Owen-scrambled Sobol sequence over the campaign's points.
@@ -140,13 +140,24 @@ impl CampaignFile {
         let text = std::fs::read_to_string(path).map_err(|source| CampaignError::file(path, source))?;
         let file: Self = toml::from_str(&text).map_err(|error| CampaignError::Toml {
             path: path.to_path_buf(),
-            line: error
-                .span()
-                .map_or(1, |span| text[..span.start].matches('\n').count() + 1),
+            line: error.span().map_or(1, |span| line_of(&text, span.start)),
             message: backseat_mission::with_suggestion(&error.message().replace('\n', " ")),
         })?;
         file.check(path)?;
+        // What is wrong with a parameter is said with its line.
+        for parameter in &file.parameters {
+            parameter.get_ref().resolve().map_err(|message| CampaignError::Toml {
+                path: path.to_path_buf(),
+                line: line_of(&text, parameter.span().start),
+                message,
+            })?;
+        }
         Ok(file)
+    }
+
+    /// What differs from point to point.
+    pub(crate) fn parameters(&self) -> impl Iterator<Item = &ParameterTable> {
+        self.parameters.iter().map(Spanned::get_ref)
     }
 
     fn check(&self, path: &Path) -> Result<(), CampaignError> {
@@ -168,7 +179,7 @@ impl CampaignFile {
             }
         }
         let mut keys: Vec<&str> = Vec::new();
-        for parameter in &self.parameters {
+        for parameter in self.parameters() {
             if let Some(other) = keys.iter().find(|other| overlap(other, &parameter.key)) {
                 return fault(format!(
                     "parameter `{}` sets what parameter `{other}` sets",
@@ -244,7 +255,11 @@ impl ParameterTable {
                 ));
             }
         };
-        Ok(Parameter { key, source })
+        Ok(Parameter {
+            key,
+            logarithmic: self.logarithmic,
+            source,
+        })
     }
 
     /// Whether nothing is said of a range.
@@ -279,6 +294,11 @@ fn ends(from: &Toml, to: &Toml, whole: bool, logarithmic: bool) -> Result<Ends, 
         _ if logarithmic => Ok(Ends::Logarithmic(low, high)),
         _ => Ok(Ends::Numbers(low, high)),
     }
+}
+
+/// The line of a place in a text, from 1.
+fn line_of(text: &str, place: usize) -> usize {
+    text[..place].matches('\n').count() + 1
 }
 
 /// Whether two keys set the same: they are equal, or one is a table that the other is in.
@@ -331,13 +351,13 @@ mod tests {
         assert_eq!(file.seeds.count(), 1000);
         assert_eq!(flat(&file.set)[0].0, "limits.speed_max_mps");
         assert_eq!(flat(&file.variants[0].set)[0].0, "plugin.isobath.component");
-        let parameter = file.parameters[0].resolve().unwrap();
+        let parameter = file.parameters().next().unwrap().resolve().unwrap();
         let Source::Listed(values) = parameter.source else {
             panic!("{parameter:?}")
         };
         assert_eq!(values[1].to_string(), "[0.1, 0.2]");
         assert_eq!(
-            file.parameters[1].resolve().unwrap().source,
+            file.parameters().nth(1).unwrap().resolve().unwrap().source,
             Source::Sobol(Ends::Numbers(1.0, 2.0))
         );
     }
@@ -364,6 +384,10 @@ mod tests {
                     "{head}[[variant]]\nname = \"a\"\nset = {{ k.x = 1 }}\n[[parameter]]\nkey = \"k.x\"\nvalues = [1]\n"
                 ),
                 "variant `a` sets `k.x`, and `k.x` is a parameter",
+            ),
+            (
+                &format!("{head}\n[[parameter]]\nkey = \"k.x\"\nvalues = []\n"),
+                "campaign.toml:4: parameter `k.x`: values is empty",
             ),
         ] {
             let error = read(text).unwrap_err();

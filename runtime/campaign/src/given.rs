@@ -36,6 +36,17 @@ impl Given {
             let mission = toml::Value::String(path.display().to_string());
             let text = format!("missions = [{mission}]\nseeds = \"{SEEDS}\"\n");
             (file, text, PathBuf::new())
+        } else if path.file_name().is_some_and(|name| name == "mission.toml") && path.is_file() {
+            return Err(CampaignError::folder(
+                path,
+                format!(
+                    "is a mission: give its folder, {}, or a campaign's file",
+                    path.parent()
+                        .filter(|parent| !parent.as_os_str().is_empty())
+                        .unwrap_or(Path::new("."))
+                        .display()
+                ),
+            ));
         } else if path.is_file() {
             let file = CampaignFile::read(path)?;
             let text = std::fs::read_to_string(path).map_err(|source| CampaignError::file(path, source))?;

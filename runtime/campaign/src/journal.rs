@@ -59,6 +59,8 @@ pub(crate) struct Journal {
     pub(crate) rows: Vec<Place>,
     /// Where the last whole entry ends.
     end: u64,
+    /// The bytes behind it, which a process that was killed or a disk has damaged.
+    pub(crate) damaged: u64,
 }
 
 impl JournalWriter {
@@ -160,11 +162,11 @@ impl Journal {
         let whole = input.read_exact(&mut first);
         if whole.is_err() || first != expected.as_bytes() {
             let message = if first.starts_with(NAME.as_bytes()) {
-                "is the journal of another campaign"
+                "is the journal of another campaign: give another folder"
             } else {
-                "is not a journal that `backseat campaign` has written"
+                "is not a journal that `backseat campaign` has written: move this file elsewhere"
             };
-            return Err(CampaignError::folder(path, format!("{message}: give another folder")));
+            return Err(CampaignError::folder(path, message));
         }
         let mut journal = Self {
             path: path.to_path_buf(),
@@ -172,6 +174,7 @@ impl Journal {
             sessions: Vec::new(),
             rows: Vec::new(),
             end: expected.len() as u64,
+            damaged: 0,
             file: file.try_clone().map_err(failed)?,
         };
         let mut bytes = Vec::new();
@@ -188,6 +191,8 @@ impl Journal {
             }
             journal.end += 8 + bytes.len() as u64;
         }
+        let length = file.metadata().map_err(failed)?.len();
+        journal.damaged = length.saturating_sub(journal.end);
         Ok(journal)
     }
 
@@ -332,7 +337,9 @@ mod tests {
         let mut flipped = whole.clone();
         *flipped.last_mut().unwrap() ^= 1;
         std::fs::write(&path, &flipped).unwrap();
-        assert_eq!(Journal::read(&path, "id").unwrap().rows.len(), 4);
+        let journal = Journal::read(&path, "id").unwrap();
+        assert_eq!(journal.rows.len(), 4);
+        assert!(journal.damaged > 8, "{}", journal.damaged);
         let mut zeros = whole;
         let length = zeros.len();
         zeros[length - 60..].fill(0);

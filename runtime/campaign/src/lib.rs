@@ -38,7 +38,7 @@ pub use folder::{Folder, RUNS, TIMING};
 pub use given::Given;
 pub use manifest::Manifest;
 pub use parquet_file::{Column, ColumnKind, Sheet, read_columns, read_names};
-pub use plan::{Key, Plan};
+pub use plan::{Key, Plan, word};
 pub use results::{Finished, finish, pending};
 pub use seeds::Seeds;
 pub use shard::Shard;

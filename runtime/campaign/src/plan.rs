@@ -74,15 +74,14 @@ impl Plan {
     pub fn new(file: &CampaignFile, path: &Path, folder: &Path, sets: &[String]) -> Result<Self, CampaignError> {
         let fault = |message: String| CampaignError::value(path, message);
         let parameters = file
-            .parameters
-            .iter()
+            .parameters()
             .map(|parameter| parameter.resolve().map_err(fault))
             .collect::<Result<Vec<_>, _>>()?;
         let design = Design::new(parameters, file.points).map_err(fault)?;
         let points = design.count().map_err(fault)?;
         for set in sets {
             let key = set.split('=').next().unwrap_or_default().trim();
-            let parameters = file.parameters.iter().map(|parameter| parameter.key.clone());
+            let parameters = file.parameters().map(|parameter| parameter.key.clone());
             let of_variants = file.variants.iter().flat_map(|variant| flat(&variant.set));
             if let Some(other) = parameters
                 .chain(of_variants.map(|(key, _)| key))
@@ -202,6 +201,11 @@ impl Plan {
         self.design.drawn_from_seeds()
     }
 
+    /// For each parameter whether its values are even in their logarithm.
+    pub fn logarithmic(&self) -> impl Iterator<Item = bool> {
+        self.design.logarithmic()
+    }
+
     /// Everything that a run sets: of `mission.toml`, then of `world.toml`.
     #[must_use]
     pub fn sets(&self, key: &Key) -> (Vec<String>, Vec<String>) {
@@ -294,8 +298,9 @@ fn lines(table: &toml::Table) -> Vec<String> {
         .collect()
 }
 
-/// A word of a shell's command line.
-pub(crate) fn word(text: &str) -> String {
+/// A word of a shell's command line, in quotes if it needs them.
+#[must_use]
+pub fn word(text: &str) -> String {
     let plain = |character: char| character.is_ascii_alphanumeric() || "._-/=,:@+".contains(character);
     if !text.is_empty() && text.chars().all(plain) {
         return text.to_owned();

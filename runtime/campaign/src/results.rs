@@ -130,7 +130,7 @@ fn index(plan: &Plan, journals: &[Journal], out: &Folder) -> Result<Vec<(u32, Pl
             .collect();
         flown.sort_unstable();
         flown.dedup();
-        return Err(lacking(out, &flown, plan.runs()));
+        return Err(lacking(out, journals, &flown, plan.runs()));
     }
     let mut index: Vec<Option<(u32, Place)>> = vec![None; plan.runs() as usize];
     for (number, journal) in (0..).zip(journals) {
@@ -161,16 +161,22 @@ fn index(plan: &Plan, journals: &[Journal], out: &Folder) -> Result<Vec<(u32, Pl
     whole.ok_or_else(|| {
         let flown = (0..).zip(&index).filter(|(_, there)| there.is_some());
         let flown: Vec<u64> = flown.map(|(run, _)| run).collect();
-        lacking(out, &flown, plan.runs())
+        lacking(out, journals, &flown, plan.runs())
     })
 }
 
-fn lacking(out: &Folder, flown: &[u64], runs: u64) -> CampaignError {
+fn lacking(out: &Folder, journals: &[Journal], flown: &[u64], runs: u64) -> CampaignError {
+    let damaged = journals.iter().filter(|journal| journal.damaged > 0);
+    let damaged: Vec<String> = damaged
+        .map(|journal| format!("; {} is damaged at its end", journal.path().display()))
+        .collect();
     CampaignError::folder(
         out.path(),
         format!(
-            "runs are missing: {}: fly them with the same command as the others, or give their folder to `campaign merge`",
-            gaps(flown, runs)
+            "runs are missing: {}{}: fly them with the same command as the others, or give their folder to `campaign \
+             merge`",
+            gaps(flown, runs),
+            damaged.concat()
         ),
     )
 }

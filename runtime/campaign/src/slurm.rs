@@ -17,6 +17,8 @@ pub struct Slurm<'a> {
     pub cores: u32,
     /// The time that a task may take, minutes.
     pub minutes: u64,
+    /// The exit code of a shard that was stopped before its end and goes on with the same command.
+    pub stopped: u8,
     /// Further lines for `#SBATCH`, such as `--partition=short`.
     pub options: &'a [String],
 }
@@ -40,7 +42,7 @@ impl Slurm<'_> {
             // Slurm appends to the output of a task that goes on.
             "--open-mode=append".to_owned(),
             format!("--signal=TERM@{STOP_BEFORE_S}"),
-            format!("--output={}/slurm/%A_%a.txt", self.out.display()),
+            output(self.out, "%A_%a.txt"),
         ]
         .iter()
         .chain(self.options)
@@ -48,17 +50,18 @@ impl Slurm<'_> {
             text.push_str(&format!("#SBATCH {option}\n"));
         }
         text.push_str(&format!(
-            "\n# A task flies one shard. Exit code {STOPPED}: it was stopped before its end, and goes on when its turn comes again. So\n\
+            "\n# A task flies one shard. Exit code {stopped}: it was stopped before its end, and goes on when its turn comes again. So\n\
              # does a task whose program was killed, a few times.\n\
              srun --ntasks=1 {} campaign {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --out {out} --workers {}\n\
              code=$?\n\
-             if [ $code -eq {STOPPED} ] || {{ [ $code -gt 128 ] && [ \"${{SLURM_RESTART_COUNT:-0}}\" -lt {RESTARTS} ]; }}; then\n    \
+             if [ $code -eq {stopped} ] || {{ [ $code -gt 128 ] && [ \"${{SLURM_RESTART_COUNT:-0}}\" -lt {RESTARTS} ]; }}; then\n    \
              scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\"\n    exit 0\nfi\n\
              exit $code\n",
             word(&self.program.display().to_string()),
             self.arguments.iter().map(|argument| word(argument)).collect::<Vec<_>>().join(" "),
             self.shards,
             self.cores,
+            stopped = self.stopped,
         ));
         text
     }
@@ -72,7 +75,7 @@ impl Slurm<'_> {
             "--job-name=campaign-merge".to_owned(),
             "--cpus-per-task=1".to_owned(),
             "--time=60".to_owned(),
-            format!("--output={}/slurm/merge.txt", self.out.display()),
+            output(self.out, "merge.txt"),
         ]
         .iter()
         .chain(self.options)
@@ -87,9 +90,12 @@ impl Slurm<'_> {
     }
 }
 
+/// Where the output of a job goes. `sbatch` reads quotes and backslashes in its lines, and a percent sign.
+fn output(out: &Path, name: &str) -> String {
+    let folder = out.display().to_string().replace('%', "%%");
+    let folder = folder.replace('\\', r"\\").replace('"', r#"\""#);
+    format!("--output=\"{folder}/slurm/{name}\"")
+}
+
 /// A task whose program is killed is started again so often.
 const RESTARTS: u32 = 5;
-
-/// The exit code of a campaign that was stopped before its end and goes on with the same command: EX_TEMPFAIL of
-/// `sysexits.h`.
-pub(crate) const STOPPED: u8 = 75;

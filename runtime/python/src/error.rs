@@ -14,6 +14,9 @@ pub enum Error {
     /// The mission's `world.toml` or a file of faults cannot be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// The faults that the seed shall draw are not written as expected.
+    #[error("draw_faults: {0}")]
+    Faults(String),
     /// A plugin cannot be loaded.
     #[error(transparent)]
     Plugin(#[from] LoadError),
@@ -73,7 +76,12 @@ impl Error {
     #[must_use]
     pub const fn is_of_mission(&self) -> bool {
         match self {
-            Self::Mission(_) | Self::Scenario(_) | Self::Plugin(_) | Self::Simulation(_) | Self::Campaign(_) => true,
+            Self::Mission(_)
+            | Self::Scenario(_)
+            | Self::Faults(_)
+            | Self::Plugin(_)
+            | Self::Simulation(_)
+            | Self::Campaign(_) => true,
             Self::Host(_) | Self::Recorder(_) | Self::Log(_) | Self::Spi(_) | Self::Report(_) | Self::Interrupted => {
                 false
             }

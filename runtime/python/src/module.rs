@@ -41,13 +41,14 @@ mod _native {
 
     /// Flies a mission; returns the report as JSON.
     #[pyfunction]
-    #[pyo3(signature = (mission, seed, set, faults, plugins, log))]
+    #[pyo3(signature = (mission, seed, set, faults, draw_faults, plugins, log))]
     fn simulate(
         py: Python<'_>,
         mission: PathBuf,
         seed: u64,
         set: Vec<String>,
         faults: Option<PathBuf>,
+        draw_faults: Option<String>,
         plugins: Option<PathBuf>,
         log: Option<PathBuf>,
     ) -> PyResult<String> {
@@ -58,6 +59,7 @@ mod _native {
                 seed,
                 set,
                 faults: faults.as_deref(),
+                draw_faults: draw_faults.as_deref(),
                 plugins: plugins.as_deref(),
                 log: log.as_deref(),
             };
@@ -163,6 +165,7 @@ mod _native {
             Error::Log(_) => LogError::new_err(text),
             Error::Spi(_) => SpiError::new_err(text),
             Error::Mission(_)
+            | Error::Faults(_)
             | Error::Campaign(_)
             | Error::Report(_)
             | Error::Scenario(_)

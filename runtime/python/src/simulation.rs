@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
+use backseat_campaign::DrawnFaults;
 use backseat_mission::{Layers, Mission};
 use backseat_plugin_host::{Cache, Host};
-use backseat_plugin_loader::load_plugins;
+use backseat_plugin_loader::Components;
 use backseat_recorder::{Header, Rate, Recorder, Sources};
 use backseat_scenario::{Scenario, read_faults};
 use backseat_sim::{Report, Simulation};
@@ -30,6 +31,8 @@ pub struct Flight<'a> {
     pub set: Vec<String>,
     /// A file of faults in place of those of `world.toml`.
     pub faults: Option<&'a Path>,
+    /// Faults that the seed draws, as `3..9@30..800`, in place of those of `world.toml`.
+    pub draw_faults: Option<&'a str>,
     /// The folder in which plugins are looked for first.
     pub plugins: Option<&'a Path>,
     /// Where to write the log.
@@ -58,10 +61,13 @@ pub fn simulate(flight: &Flight<'_>, mut is_interrupted: impl FnMut() -> bool) -
     let mission = Mission::load(flight.mission, &layers)?;
     let scenario = Scenario::load_with(&mission, &of_world)?;
     let faults = flight.faults.map(read_faults).transpose()?;
+    let drawn = flight.draw_faults.map(str::parse::<DrawnFaults>).transpose();
+    let mut drawn = drawn.map_err(Error::Faults)?.map(|faults| faults.draw(flight.seed));
     let loading = Instant::now();
     // What is wrong with the cache is no error, and compiling takes its place.
     let host = Host::new()?.with_cache(Cache::of_user(|_| {}));
-    let loaded = load_plugins(&host, &mission, flight.plugins)?;
+    let components = Components::load(&host, &mission, flight.plugins)?;
+    let loaded = components.start(&mission)?;
     let load_seconds = loading.elapsed().as_secs_f64();
     let recorder = match flight.log {
         Some(path) => Some(Recorder::create(
@@ -88,11 +94,17 @@ pub fn simulate(flight: &Flight<'_>, mut is_interrupted: impl FnMut() -> bool) -
     };
     let flying = Instant::now();
     let mut simulation = Simulation::new(&mission, &scenario, flight.seed, loaded, recorder)?;
-    if let Some(faults) = faults {
+    if let Some(faults) = faults.or_else(|| drawn.as_ref().map(|drawn| drawn.plan().clone())) {
         simulation.set_faults(faults);
     }
     let mut events = 0;
-    while simulation.advance()? {
+    let mut advance = || match &mut drawn {
+        Some(drawn) => drawn.advance(&mut simulation, || -> Result<_, Error> {
+            Ok(components.start(&mission)?)
+        }),
+        None => Ok(simulation.advance()?),
+    };
+    while advance()? {
         events += 1;
         if events == EVENTS {
             events = 0;

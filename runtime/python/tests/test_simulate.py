@@ -54,6 +54,23 @@ def test_settings_of_every_type_reach_the_mission(missions, plugins):
         fly(limits__speed_max_mps=None)
 
 
+def test_faults_are_drawn_as_the_program_draws_them(missions, plugins):
+    program = os.environ.get("BACKSEAT_TEST_PROGRAM")
+    if program is None:
+        pytest.skip("BACKSEAT_TEST_PROGRAM names no program")
+    arguments = [program, "sim", missions / "isobath", "--seed", "3", "--plugins", plugins, "--json"]
+    printed = json.loads(
+        subprocess.run(arguments + ["--draw-faults", "3..9@30..800"], capture_output=True).stdout
+    )
+    run = backseat.simulate(missions / "isobath", seed=3, draw_faults="3..9@30..800", plugins=plugins)
+    assert without_clock(run.report) == without_clock(printed)
+    assert run.digest != backseat.simulate(missions / "isobath", seed=3, plugins=plugins).digest
+    with pytest.raises(backseat.MissionError, match="draw_faults: `3`: expected"):
+        backseat.simulate(missions / "isobath", draw_faults="3", plugins=plugins)
+    with pytest.raises(ValueError, match="give one of them"):
+        backseat.simulate(missions / "isobath", faults="f.toml", draw_faults="3..9@30..800", plugins=plugins)
+
+
 def test_a_wrong_mission_raises_one_line(missions, plugins, tmp_path):
     for arguments, part in [
         ({"mission": tmp_path / "nowhere"}, "nowhere"),

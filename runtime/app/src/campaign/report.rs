@@ -5,6 +5,7 @@ use backseat_campaign::{Crew, Folder, RUNS};
 use backseat_campaign_report::write;
 use clap::Args;
 
+use super::warn_lacking;
 use crate::arguments::folder;
 use crate::cache::host_with;
 use crate::output::say;
@@ -23,7 +24,7 @@ pub(super) fn report(arguments: &CampaignReport) -> Result<()> {
     let folder = whole(&arguments.dir)?;
     let plan = folder.manifest()?.plan(folder.path())?;
     let crew = Crew::new(host_with(true)?, arguments.plugins.clone());
-    write(&folder, &plan, Some(&crew))?;
+    warn_lacking(write(&folder, &plan, Some(&crew))?);
     say!("report: {}", folder.path().join("report.html").display());
     Ok(())
 }

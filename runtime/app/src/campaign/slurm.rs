@@ -3,7 +3,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
-use backseat_campaign::Slurm;
+use backseat_campaign::{Slurm, word};
+use backseat_reference::STOPPED;
 use clap::Args;
 
 use super::CampaignArguments;
@@ -61,6 +62,7 @@ pub(super) fn slurm(arguments: &CampaignSlurm) -> Result<()> {
         shards: arguments.shards.min(given.plan.runs()),
         cores: arguments.cores,
         minutes: arguments.minutes,
+        stopped: STOPPED,
         options: &arguments.sbatch,
     };
     let folder = out.join("slurm");
@@ -71,8 +73,8 @@ pub(super) fn slurm(arguments: &CampaignSlurm) -> Result<()> {
         say!("written: {} and {}", array.display(), merge.display());
         say!(
             "submit: sbatch --dependency=afterok:$(sbatch --parsable {}) {}",
-            array.display(),
-            merge.display()
+            word(&array.display().to_string()),
+            word(&merge.display().to_string())
         );
         return Ok(());
     }

@@ -16,6 +16,7 @@ def simulate(
     seed: int,
     set: list[str],
     faults: _Path | None,
+    draw_faults: str | None,
     plugins: _Path | None,
     log: _Path | None,
 ) -> str: ...

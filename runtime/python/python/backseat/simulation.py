@@ -81,6 +81,7 @@ def simulate(
     faults: _Path | None = None,
     plugins: _Path | None = None,
     log: _Path | None = None,
+    draw_faults: str | None = None,
 ) -> Run:
     """Flies a mission to its end, on a virtual clock, and returns what became of it.
 
@@ -98,17 +99,21 @@ def simulate(
         plugins: The folder in which plugins are looked for first. Without it: the environment's `BACKSEAT_PLUGINS`,
             then `target/plugins` below the working directory.
         log: Writes the log to this file (`.mcap`), for `Log` and all other tools.
+        draw_faults: Faults that the seed draws in place of those of `world.toml`, as the hunt draws them: `"3..9@30..800"`
+            is 3 to 9 faults that begin 30 to 800 s after the start.
 
     Raises:
         MissionError: The mission, one of its files, plugins or settings is invalid. The message is one line.
-        ValueError: The seed is out of range.
+        ValueError: The seed is out of range, or both `faults` and `draw_faults` are given.
         TypeError: A setting has a type that TOML does not have.
         OSError: The log cannot be written.
     """
     if not 0 <= seed <= _SEED_MAX:
         raise ValueError(f"invalid seed {seed}: expected 0 to {_SEED_MAX}")
+    if faults is not None and draw_faults is not None:
+        raise ValueError("faults and draw_faults: give one of them")
     settings = [f"{key}={_toml(value)}" for key, value in (set or {}).items()]
-    report = json.loads(_native.simulate(mission, seed, settings, faults, plugins, log))
+    report = json.loads(_native.simulate(mission, seed, settings, faults, draw_faults, plugins, log))
     return Run(report, None if log is None else os.fspath(log))
 
 

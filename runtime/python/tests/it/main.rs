@@ -12,6 +12,7 @@ fn flight(mission: &Path) -> Flight<'_> {
         seed: 1,
         set: Vec::new(),
         faults: None,
+        draw_faults: None,
         plugins: Some(plugins()),
         log: None,
     }

@@ -1,6 +1,7 @@
 //! `campaign`: many runs, stopped and continued, in shards, and compared.
 
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -130,7 +131,26 @@ fn a_stopped_campaign_and_shards_give_the_same_bytes() {
         "{}",
         stopped.stderr
     );
-    ends(campaign(&folder, &["campaign.toml", "--out", "parts"]), 1);
+    let stopped = ends(
+        campaign(
+            &folder,
+            &["campaign.toml", "--out", "parts", "--stop-after", "0.01s", "--json"],
+        ),
+        75,
+    );
+    let result: Value = serde_json::from_str(&stopped.stdout).expect("one object");
+    assert_eq!(
+        (&result["stopped"], &result["runs"]),
+        (&Value::from(true), &Value::from(12))
+    );
+    // A power loss leaves a damaged end.
+    let mut damaged = fs::OpenOptions::new().append(true).open(&began).expect("it is there");
+    damaged.write_all(&[7; 300]).expect("there is room");
+    let went_on = ends(campaign(&folder, &["campaign.toml", "--out", "parts"]), 1);
+    assert!(
+        went_on.stderr.contains("the journal ended in 300 damaged bytes"),
+        "{went_on}"
+    );
     assert!(rows(&folder, "parts") == whole, "the killed campaign has other bytes");
 
     for count in [2, 7] {
@@ -179,6 +199,20 @@ fn what_does_not_belong_together_is_refused_in_a_line() {
         2,
     );
     assert!(output.stderr.contains("expected I/N with I from 1 to N"), "{output}");
+    refused(
+        &["isobath/mission.toml", "--out", "new"],
+        "is a mission: give its folder, isobath, or a campaign's file",
+    );
+    let output = ends(
+        campaign(&folder, &["campaign.toml", "--out", "few", "--shard", "2/1000"]),
+        0,
+    );
+    assert!(
+        output
+            .stderr
+            .contains("shard 2/1000 has no runs: the campaign has 12 runs"),
+        "{output}"
+    );
     refused(
         &["nothing.toml", "--out", "new"],
         "expected a campaign's file or a mission's folder",
@@ -322,4 +356,9 @@ fn what_the_report_shows_can_be_corrected_afterwards() {
     fs::write(&file, format!("# corrected\n{right}")).expect("there is room");
     let output = ends(campaign(&folder, &["campaign.toml", "--out", "all"]), 1);
     assert!(output.stdout.contains("report: all/report.html"), "{output}");
+    assert!(!output.stderr.contains("the report lacks pictures"), "{output}");
+    // Without its mission the report is written again without pictures, and says so.
+    fs::rename(folder.path().join("isobath"), folder.path().join("elsewhere")).expect("it can be moved");
+    let output = ends(campaign(&folder, &["report", "all"]), 0);
+    assert!(output.stderr.contains("the report lacks pictures of runs"), "{output}");
 }

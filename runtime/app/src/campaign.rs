@@ -5,6 +5,7 @@ mod report;
 mod show;
 mod slurm;
 
+use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,12 +14,12 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 use backseat_campaign::{
-    Crew, Finished, Folder, Given, Order, Plan, Progress, Seeds, Shard, Stop, finish, fly, pending, word,
+    Crew, Finished, Folder, Given, Key, Order, Plan, Progress, Seeds, Shard, Stop, finish, fly, pending, word,
 };
 use backseat_campaign_report::write;
 use backseat_reference::{MET, STOPPED, UNMET};
 use clap::{Args, Subcommand};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing::warn;
 
@@ -32,6 +33,8 @@ use crate::terminal::{share, tell};
 
 /// Without a terminal the progress is a line this often.
 const LINE_EVERY: Duration = Duration::from_secs(10);
+/// Runs that are looked at before a campaign begins.
+const LOOKED_AT: u64 = 200;
 
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
@@ -127,7 +130,7 @@ fn run(arguments: &CampaignArguments) -> Result<u8> {
         warn!("a campaign does not read BACKSEAT__ variables: give keys in its file or with --set");
     }
     let (crew, folder) = arguments.open(&given)?;
-    warn_beyond(plan, &crew)?;
+    warn_beyond(plan, &crew);
     let stop = Arc::new(Stop::default());
     stop_at_signals(&stop)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
@@ -228,32 +231,45 @@ fn conclude(folder: &Folder, finished: &Finished, json: bool) -> Result<u8> {
     Ok(if passed == runs && *violations == 0 { MET } else { UNMET })
 }
 
-/// Says once for each mission what is beyond its limits, as `sim` does.
-fn warn_beyond(plan: &Plan, crew: &Crew) -> Result<()> {
-    let mut told = std::collections::BTreeSet::new();
-    let per_mission = plan.runs() / plan.missions() as u64;
-    for place in 0..plan.missions() as u64 {
-        let Some(key) = plan.key(place * per_mission) else {
-            continue;
-        };
-        // A mission that cannot be flown at this point has been reported, or is a row.
-        let Ok(prepared) = crew.prepare(plan, &key) else {
-            continue;
-        };
-        let Ok(simulation) = prepared.simulation(key.seed) else {
-            continue;
-        };
-        let (mission, scenario) = (&prepared.mission, &prepared.scenario);
-        let mut lines = beyond_vehicle(mission, scenario);
-        lines.extend(beyond_limits(mission, scenario, simulation.world()));
-        lines.extend(beyond_sonar(mission, scenario));
+/// Looks at some runs of each mission and variant, and says what is beyond the mission's limits there, as `sim` does, and
+/// which of them cannot be flown. Each thing is said once, with the first run that has it.
+fn warn_beyond(plan: &Plan, crew: &Crew) {
+    let mut found: BTreeMap<String, (u64, String)> = BTreeMap::new();
+    let looked_at = plan.some_runs(LOOKED_AT);
+    for key in &looked_at {
+        let (name, lines) = beyond(plan, crew, key);
         for line in lines {
-            if told.insert(line.clone()) {
-                warn!("{}: {line}", mission.name);
-            }
+            // Lines that differ in their figures alone are one.
+            let kind: String = line.chars().filter(|character| !character.is_ascii_digit()).collect();
+            let first = || (0, format!("{name}: {line} (run {})", key.run));
+            found.entry(format!("{name}: {kind}")).or_insert_with(first).0 += 1;
         }
     }
-    Ok(())
+    let all = looked_at.len() as u64;
+    for (count, line) in found.into_values() {
+        if count == all {
+            warn!("{line}");
+        } else {
+            warn!("{line}; {count} of {all} runs that were looked at");
+        }
+    }
+}
+
+fn beyond(plan: &Plan, crew: &Crew, key: &Key) -> (String, Vec<String>) {
+    let name = plan.mission(key).display().to_string();
+    let prepared = match crew.prepare(plan, key) {
+        Ok(prepared) => prepared,
+        Err(error) => return (name, vec![format!("cannot be flown: {error}")]),
+    };
+    let simulation = match prepared.simulation(key.seed) {
+        Ok(simulation) => simulation,
+        Err(error) => return (name, vec![format!("cannot be flown: {error}")]),
+    };
+    let (mission, scenario) = (&prepared.mission, &prepared.scenario);
+    let mut lines = beyond_vehicle(mission, scenario);
+    lines.extend(beyond_limits(mission, scenario, simulation.world()));
+    lines.extend(beyond_sonar(mission, scenario));
+    (mission.name.clone(), lines)
 }
 
 /// Ctrl-C, SIGTERM and SIGHUP stop the campaign; what it has flown is kept.
@@ -288,6 +304,7 @@ struct Screen {
     clock: Clock,
     lines: bool,
     next_line: Duration,
+    told_measure: bool,
 }
 
 impl Screen {
@@ -306,6 +323,7 @@ impl Screen {
             clock: Clock::start(),
             lines: !quiet && !std::io::stderr().is_terminal(),
             next_line: LINE_EVERY,
+            told_measure: false,
         }
     }
 
@@ -318,12 +336,15 @@ impl Screen {
             self.bar.reset_eta();
             if progress.cut_off > 0 {
                 warn!(
-                    "the journal ended in {} damaged bytes: they are cut off, and the runs in them are flown again",
+                    "the journal is damaged: its last {} bytes are cut off, and the runs in them are flown again",
                     progress.cut_off
                 );
             }
         }
         self.bar.set_position(done);
+        if progress.lacks_measure && !std::mem::replace(&mut self.told_measure, true) {
+            warn!("report.measure is a measure that the first runs do not have: the report will fail if no run has it");
+        }
         let mut message = String::new();
         for (count, what) in [
             (progress.missed, "missed an expectation"),
@@ -338,10 +359,11 @@ impl Screen {
         if self.lines && elapsed >= self.next_line && done < progress.runs {
             self.next_line = elapsed + LINE_EVERY;
             let per_s = progress.now as f64 / elapsed.as_secs_f64();
-            let left_min = (progress.runs - done) as f64 / per_s.max(1e-9) / 60.0;
+            let left_s = ((progress.runs - done) as f64 / per_s.max(1e-9)).min(1e12);
             tell(&format!(
-                "{done} of {} runs, {per_s:.1} a second, {left_min:.0} min left{message}",
-                progress.runs
+                "{done} of {} runs, {per_s:.1} a second, {} left{message}",
+                progress.runs,
+                HumanDuration(Duration::from_secs_f64(left_s))
             ));
         }
         self.bar.set_message(message);
@@ -351,8 +373,12 @@ impl Screen {
         self.bar.finish_and_clear();
         let seconds = self.clock.elapsed().as_secs_f64();
         if self.lines && progress.now > 0 {
+            let before = match progress.before {
+                0 => String::new(),
+                before => format!("; {before} were there"),
+            };
             tell(&format!(
-                "{} runs flown in {seconds:.1} s, {:.1} a second",
+                "{} runs flown in {seconds:.1} s, {:.1} a second{before}",
                 progress.now,
                 progress.now as f64 / seconds.max(1e-9)
             ));

@@ -72,6 +72,9 @@ pub(crate) struct Fly {
     /// End after this many seconds of the mission, even if it is not over
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) duration: Option<f64>,
+    #[cfg(feature = "console")]
+    #[command(flatten)]
+    pub(crate) console: crate::console::ConsoleArguments,
 }
 
 /// A speed on the command line.
@@ -112,6 +115,8 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
         // Reports a file that cannot be written before the flight, not after it.
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
     }
+    #[cfg(feature = "console")]
+    let console = arguments.console.open()?;
     let (ports, heard) = Ports::open(&mission.file.externals)?;
     let host = host(&arguments.mission)?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
@@ -141,12 +146,21 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
             }
             None => None,
         };
+        #[cfg(feature = "console")]
+        let (listener, signals) = {
+            let kind = backseat_console::Kind::Simulated;
+            let attached = console.attach(kind, &mission, true, clock.utc_at_start(), &state)?;
+            (attached.listener, signals.or_console(attached.asked))
+        };
+        #[cfg(not(feature = "console"))]
+        let listener = None;
         let mut recorder = open_log(
             &log,
             &mission,
             Some((arguments.vehicle.seed, &scenario.text)),
             &loaded,
             &clock,
+            listener,
         )?;
         let start = Start {
             utc: clock.utc_at_start(),

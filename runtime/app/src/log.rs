@@ -7,6 +7,8 @@ mod info;
 #[cfg(feature = "simulation")]
 mod judge;
 mod show;
+#[cfg(feature = "console")]
+mod view;
 
 use std::path::Path;
 
@@ -25,6 +27,11 @@ pub(crate) enum Log {
     /// The lines are those that `run` prints, and every state of every request. Times are seconds since the start of
     /// the run.
     Show(show::LogShow),
+    /// Look at a run in a browser: map, time line, plugins and refusals
+    ///
+    /// The page is served for this computer alone until Ctrl-C, and needs no network. The space bar plays the run.
+    #[cfg(feature = "console")]
+    View(view::LogView),
     /// Judge a recorded run by the safety requirements, as simulations are judged
     ///
     /// The oracle that judges simulations reads the link's bytes from the log, and the mission's limits and the fence
@@ -75,6 +82,8 @@ pub(crate) fn log(command: &Log) -> Result<bool> {
     match command {
         Log::Info(arguments) => info::info(arguments),
         Log::Show(arguments) => show::show(arguments),
+        #[cfg(feature = "console")]
+        Log::View(arguments) => view::view(arguments),
         #[cfg(feature = "simulation")]
         Log::Judge(arguments) => judge::judge(arguments),
         #[cfg(feature = "simulation")]

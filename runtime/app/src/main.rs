@@ -11,6 +11,8 @@ mod campaign;
 mod check;
 mod cli;
 mod clock;
+#[cfg(feature = "console")]
+mod console;
 #[cfg(feature = "simulation")]
 mod events;
 mod explain;

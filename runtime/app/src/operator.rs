@@ -14,6 +14,28 @@ pub(crate) struct Signals {
     hang_up: Signal,
     /// Ends the run as a signal would.
     end: Option<Receiver<()>>,
+    /// What people at the console ask for.
+    #[cfg(feature = "console")]
+    console: Option<tokio::sync::mpsc::Receiver<backseat_console::Asked>>,
+}
+
+/// What the operator asks for, by a signal or at the console.
+#[derive(Debug)]
+pub(crate) struct Asked {
+    pub(crate) act: Operator,
+    /// The name that a person at the console gave.
+    pub(crate) who: Option<String>,
+}
+
+impl Asked {
+    pub(crate) const fn word(&self) -> &'static str {
+        match self.act {
+            Operator::Hold => "hold",
+            Operator::Release => "release",
+            Operator::Stop => "stop",
+            Operator::Order(_) => "order",
+        }
+    }
 }
 
 impl Signals {
@@ -25,6 +47,8 @@ impl Signals {
             terminate: signal(SignalKind::terminate())?,
             hang_up: signal(SignalKind::hangup())?,
             end: None,
+            #[cfg(feature = "console")]
+            console: None,
         })
     }
 
@@ -35,8 +59,19 @@ impl Signals {
         self
     }
 
-    pub(crate) async fn next(&mut self) -> Operator {
-        tokio::select! {
+    /// Also does what people at the console ask for.
+    #[cfg(feature = "console")]
+    pub(crate) fn or_console(mut self, asked: Option<tokio::sync::mpsc::Receiver<backseat_console::Asked>>) -> Self {
+        self.console = asked;
+        self
+    }
+
+    pub(crate) async fn next(&mut self) -> Asked {
+        #[cfg(feature = "console")]
+        let console = at_console(&mut self.console);
+        #[cfg(not(feature = "console"))]
+        let console = std::future::pending::<Asked>();
+        let act = tokio::select! {
             // If both wait because the process stood still, their order is unknown. The hold is taken last, so that it
             // wins.
             biased;
@@ -46,8 +81,27 @@ impl Signals {
             _ = self.terminate.recv() => Operator::Stop,
             _ = self.hang_up.recv() => Operator::Stop,
             () = sent(&mut self.end) => Operator::Stop,
-        }
+            asked = console => return asked,
+        };
+        Asked { act, who: None }
     }
+}
+
+/// What somebody at the console asks for; waits for ever where there is none.
+#[cfg(feature = "console")]
+async fn at_console(console: &mut Option<tokio::sync::mpsc::Receiver<backseat_console::Asked>>) -> Asked {
+    if let Some(asked) = console {
+        if let Some(backseat_console::Asked { act, who }) = asked.recv().await {
+            let act = match act {
+                backseat_console::Act::Hold => Operator::Hold,
+                backseat_console::Act::Release => Operator::Release,
+            };
+            return Asked { act, who: Some(who) };
+        }
+        // The console's thread has ended.
+        *console = None;
+    }
+    std::future::pending().await
 }
 
 /// Waits for an end that is announced; for ever where none will be.

@@ -12,7 +12,7 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::Result;
-use backseat_recorder::{Header, Recorder, RecorderError};
+use backseat_recorder::{Header, Listener, Recorder, RecorderError};
 use backseat_units::Timestamp;
 use tracing::{error, warn};
 
@@ -29,6 +29,8 @@ const FAREWELL: Duration = Duration::from_secs(2);
 pub(crate) struct Recording {
     /// `None` once the disk has failed: a full disk stops the log, not the vehicle.
     recorder: Option<Recorder<Queue>>,
+    /// Tells a listener what happens, whatever the disk does. It writes nothing.
+    teller: Option<Recorder<Queue>>,
     disk: Arc<Disk>,
     gap: Option<Gap>,
     ended: Receiver<()>,
@@ -60,13 +62,21 @@ impl Disk {
 }
 
 impl Recording {
-    /// Creates the file, and replaces an existing one.
-    pub(crate) fn create(path: &Path, header: &Header<'_>) -> Result<Self> {
+    /// Creates the file, and replaces an existing one. A listener is told everything.
+    pub(crate) fn create(path: &Path, header: &Header<'_>, listener: Option<Listener>) -> Result<Self> {
         let file = File::create(path).map_err(|source| RecorderError::Create {
             path: path.to_owned(),
             source,
         })?;
-        Self::to(file, path.display().to_string(), header)
+        let mut recording = Self::to(file, path.display().to_string(), header)?;
+        recording.teller = listener
+            .map(|listener| {
+                let mut teller = Recorder::named(Queue::nowhere(), "nowhere".to_owned(), header)?;
+                teller.listen(listener);
+                Ok::<_, RecorderError>(teller)
+            })
+            .transpose()?;
+        Ok(recording)
     }
 
     /// Writes the log to `file`; messages call it `name`.
@@ -84,13 +94,14 @@ impl Recording {
             let _gone = has_ended.send(());
         })?;
         let queue = Queue {
-            pieces,
+            pieces: Some(pieces),
             disk: Arc::clone(&disk),
             buffer: Vec::with_capacity(PIECE),
             position: 0,
         };
         Ok(Self {
             recorder: Some(Recorder::named(queue, name, header)?),
+            teller: None,
             disk,
             gap: None,
             ended,
@@ -99,11 +110,13 @@ impl Recording {
 
     /// Runs `act` to record something of the time `now`, where there is room for it. A gap gets this time too: it comes
     /// before what is recorded.
-    pub(crate) fn record(
-        &mut self,
-        now: Timestamp,
-        act: impl FnOnce(&mut Recorder<Queue>) -> Result<(), RecorderError>,
-    ) {
+    pub(crate) fn record(&mut self, now: Timestamp, act: impl Fn(&mut Recorder<Queue>) -> Result<(), RecorderError>) {
+        if let Some(teller) = &mut self.teller
+            && act(teller).is_err()
+        {
+            // It writes nowhere, so this is an error of the encoder, and the log says so.
+            self.teller = None;
+        }
         let Some(recorder) = &mut self.recorder else { return };
         if let Some(failure) = self.disk.failure() {
             error!("the log ends here, the run continues: {failure}");
@@ -176,16 +189,31 @@ fn write_out(mut file: impl Write, pieces: &Receiver<Vec<u8>>, disk: &Disk) {
 
 /// The loop's end of the queue. Writing to it never waits and never fails.
 pub(crate) struct Queue {
-    pieces: Sender<Vec<u8>>,
+    /// `None` writes nowhere.
+    pieces: Option<Sender<Vec<u8>>>,
     disk: Arc<Disk>,
     buffer: Vec<u8>,
     position: u64,
 }
 
+impl Queue {
+    fn nowhere() -> Self {
+        Self {
+            pieces: None,
+            disk: Arc::default(),
+            buffer: Vec::new(),
+            position: 0,
+        }
+    }
+}
+
 impl Write for Queue {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.buffer.extend_from_slice(bytes);
         self.position += bytes.len() as u64;
+        if self.pieces.is_none() {
+            return Ok(bytes.len());
+        }
+        self.buffer.extend_from_slice(bytes);
         if self.buffer.len() >= PIECE {
             self.flush()?;
         }
@@ -193,11 +221,13 @@ impl Write for Queue {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        if !self.buffer.is_empty() {
+        if let Some(pieces) = &self.pieces
+            && !self.buffer.is_empty()
+        {
             let piece = std::mem::replace(&mut self.buffer, Vec::with_capacity(PIECE));
             self.disk.waiting.fetch_add(piece.len(), Ordering::Relaxed);
             // The thread runs as long as this end exists, unless it has panicked, which it has then reported.
-            let _gone = self.pieces.send(piece);
+            let _gone = pieces.send(piece);
         }
         Ok(())
     }

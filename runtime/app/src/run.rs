@@ -11,7 +11,7 @@ use backseat_core::{Core, Grant, Start};
 use backseat_mission::Mission;
 use backseat_plugin_host::{Host, Origin};
 use backseat_plugin_loader::{Loaded, load_plugins};
-use backseat_recorder::{Header, Rate};
+use backseat_recorder::{Header, Listener, Rate};
 use backseat_units::Timestamp;
 use clap::Args;
 use tokio::sync::mpsc::unbounded_channel;
@@ -53,6 +53,9 @@ pub(crate) struct Run {
     // 0 means none on the wire (SPI 6.21); the upper bound leaves room for every request of a mission.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=2_000_000_000))]
     pub(crate) first_identifier: Option<u32>,
+    #[cfg(feature = "console")]
+    #[command(flatten)]
+    pub(crate) console: crate::console::ConsoleArguments,
 }
 
 /// Grants for requests that the vehicle knows by an identifier.
@@ -75,6 +78,8 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         Some(address) => host_and_port(address, "--connect")?,
         None => host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address")?,
     };
+    #[cfg(feature = "console")]
+    let console = arguments.console.open()?;
     let (ports, heard) = {
         let _within = runtime.enter();
         Ports::open(&mission.file.externals)?
@@ -88,7 +93,15 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
     let log = log_in(&arguments.log, &mission);
-    let mut recorder = open_log(&log, &mission, None, &loaded, &clock)?;
+    #[cfg(feature = "console")]
+    let (listener, signals) = {
+        let kind = backseat_console::Kind::Live;
+        let attached = console.attach(kind, &mission, arguments.arm, clock.utc_at_start(), &state)?;
+        (attached.listener, signals.or_console(attached.asked))
+    };
+    #[cfg(not(feature = "console"))]
+    let listener = None;
+    let mut recorder = open_log(&log, &mission, None, &loaded, &clock, listener)?;
     let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
     info!(
         "plugins: {cached} from the cache, {} compiled",
@@ -198,7 +211,8 @@ pub(crate) fn log_in(folder: &Path, mission: &Mission) -> PathBuf {
     folder.join(format!("{}-{began}.mcap", mission.name))
 }
 
-/// Creates a log, and the folder in which it is. A simulated vehicle has a seed, and a world as TOML.
+/// Creates a log, and the folder in which it is. A simulated vehicle has a seed, and a world as TOML. A listener is told
+/// everything that the log has.
 ///
 /// # Errors
 /// If one of them cannot be created.
@@ -208,6 +222,7 @@ pub(crate) fn open_log(
     simulated: Option<(u64, &str)>,
     loaded: &Loaded,
     clock: &Clock,
+    listener: Option<Listener>,
 ) -> Result<Recording> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|error| explained(folder, error))?;
@@ -228,5 +243,6 @@ pub(crate) fn open_log(
             version: env!("CARGO_PKG_VERSION"),
             sources: sources(mission, loaded),
         },
+        listener,
     )
 }

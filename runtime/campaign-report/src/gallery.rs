@@ -56,7 +56,9 @@ impl Gallery {
                 let count = (arm.runs / RUNS_OF_PICTURE).clamp(TRACKS_LEAST, TRACKS).min(arm.runs);
                 let mut drawn = Vec::new();
                 for place in 0..count {
-                    let run = arm.first + place * arm.runs / count;
+                    // Another point and another seed each time.
+                    let seeds = plan.runs_of_point();
+                    let run = arm.first + place * plan.points() / count * seeds + place * seeds / count;
                     let Some(key) = plan.key(run).filter(|_| outcomes.flown[run as usize]) else {
                         continue;
                     };

@@ -15,10 +15,10 @@ use crate::worst::worst;
 /// The page is for people who print it, or look at it in a bright or a dark room.
 const STYLE: &str = "
 :root { color-scheme: light dark; --line: #8884; --dim: #777; --bad: #b3261e; }
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
 p.dim, .dim { color: var(--dim); } .bad { color: var(--bad); font-weight: 600; }
-table { border-collapse: collapse; margin: .5rem 0; } th, td { padding: .2rem .8rem .2rem 0; text-align: right; } td { white-space: nowrap; }
+table { border-collapse: collapse; margin: .5rem 0; } th, td { padding: .2rem .7rem .2rem 0; text-align: right; } td { white-space: nowrap; }
 th { border-bottom: 1px solid var(--line); font-weight: 600; } th:first-child, td:first-child, td.text, th.text { text-align: left; }
 figure { margin: 1rem 0; background: #fff; color: #000; border: 1px solid var(--line); border-radius: 6px; padding: .5rem; display: inline-block; max-width: 100%; }
 figure svg { max-width: 100%; height: auto; } figcaption { font-size: .9rem; padding: .2rem .5rem; }
@@ -60,6 +60,7 @@ pub fn page(folder: &Folder, plan: &Plan, outcomes: &Outcomes, gallery: &Gallery
             (manifest.version) ", campaign " (manifest.identity()[..12])
             @if let Some(faults) = plan.faults() { ", drawn faults " (faults) }
         }
+        (setup(plan))
         h2 { "How many runs passed" }
         (rates(outcomes))
         (reasons(folder)?)
@@ -106,6 +107,23 @@ pub fn page(folder: &Folder, plan: &Plan, outcomes: &Outcomes, gallery: &Gallery
 fn counted(count: u64, what: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {what}{plural}")
+}
+
+/// What was varied.
+fn setup(plan: &Plan) -> Markup {
+    let variants: Vec<(&str, &[String])> = plan.variants().filter(|(name, _)| !name.is_empty()).collect();
+    let parameters: Vec<(&str, String)> = plan.parameters().zip(plan.ranges()).collect();
+    html! {
+        @if !variants.is_empty() || !parameters.is_empty() {
+            details {
+                summary { "What was varied" }
+                table {
+                    @for (name, sets) in variants { tr { td { "variant " (name) } td.text { code { (sets.join("  ")) } } } }
+                    @for (name, range) in parameters { tr { td { (name) } td.text { (range) } } }
+                }
+            }
+        }
+    }
 }
 
 fn rates(outcomes: &Outcomes) -> Markup {
@@ -163,12 +181,12 @@ fn comparisons(outcomes: &Outcomes, measures: &[usize]) -> Markup {
     html! {
         p.dim {
             "Each run is compared with the run of " strong { (first.name) } " with the same point and seed: difference = other "
-            "less " (first.name) ". Each seed counts once, with the mean over its points. The verdict is `smaller` or `larger` "
+            "less " (first.name) ". Each seed counts once, with the mean over its points. The verdict is smaller or larger "
             "only if the bootstrap's 95 % interval of the mean difference leaves 0 out and the sign test finds p < 0.05. Among "
             "many measures some differ by chance."
         }
         div.wide { table {
-            tr { th { "measure" } th.text { "other" } th { "mean difference" } th { "95 % interval" } th { "smaller" } th { "larger" } th { "seeds" } th { "pairs" } th { "sign test" } th.text { "verdict" } }
+            tr { th { "measure" } th.text { "other" } th.text { "verdict" } th { "mean difference" } th { "95 % interval" } th { "smaller" } th { "larger" } th { "seeds" } th { "pairs" } th { "sign test" } }
             @for measure in measures {
                 @for other in &outcomes.arms[1..] {
                     @if let Some(comparison) = Comparison::new(outcomes, first, other, *measure) {
@@ -190,13 +208,13 @@ fn comparison_row(comparison: &Comparison) -> Markup {
     };
     html! {
         tr {
-            td { (words(&comparison.measure)) } td.text { (comparison.other) }
+            td { (words(&comparison.measure)) } td.text { (comparison.other) } td.text { strong { (verdict) } }
             td { (figure(comparison.difference)) }
             td { (figure(comparison.interval.low)) " to " (figure(comparison.interval.high)) }
             td { (comparison.smaller) } td { (comparison.larger) }
             td { (comparison.seeds) }
             td { (comparison.pairs) @if comparison.alone > 0 { " (" (comparison.alone) " with one alone)" } }
-            td { (comparison.p_text()) } td.text { strong { (verdict) } }
+            td { (comparison.p_text()) }
         }
     }
 }
@@ -257,19 +275,35 @@ fn sensitivity(outcomes: &Outcomes, measure: usize) -> Result<Markup, ReportErro
             scatters.push(svg);
         }
     }
+    let without = outcomes.measures[measure]
+        .1
+        .iter()
+        .filter(|value| value.is_none())
+        .count();
     Ok(html! {
+        @if without > 0 {
+            p.bad {
+                (without) " of " (outcomes.passed.len()) " runs have no value of this measure, and are not in these figures: look "
+                "at how many runs passed at each value too."
+            }
+        }
         p.dim {
             "How much of the variance within a variant each parameter explains by itself, less what chance would explain "
             "(epsilon squared; a range is cut into ten parts). What two parameters do only together is in no share. The rank "
             "correlation (Spearman, of the differences from the variant's mean) says in which direction. A parameter that each "
             "seed draws is compared seed by seed, and cannot be told from the rest of what that seed draws unless there are "
-            "many seeds; with too few it is left out."
+            "many seeds; with too few it is left out. By chance: p of the F test."
         }
         figure { (PreEscaped(chart)) }
         table {
-            tr { th { "parameter" } th { "share explained" } th { "rank correlation" } }
-            @for Sensitivity { parameter, share, correlation } in &found {
-                tr { td { (parameter) } td { (percent(*share)) } td { @if let Some(correlation) = correlation { (format!("{correlation:+.2}")) } } }
+            tr { th { "parameter" } th { "share explained" } th { "rank correlation" } th { "by chance, p" } th { "values" } th.text { "" } }
+            @for Sensitivity { parameter, share, correlation, chance, count } in &found {
+                tr {
+                    td { (parameter) } td { (percent(*share)) }
+                    td { @if let Some(correlation) = correlation { (format!("{correlation:+.2}")) } }
+                    td { @if *chance < 1e-4 { "< 0.0001" } @else { (format!("{chance:.4}")) } } td { (count) }
+                    td.text.dim { @if *chance >= 0.05 { "not told from chance" } }
+                }
             }
         }
         @for svg in &scatters { figure { (PreEscaped(svg)) } }
@@ -301,13 +335,22 @@ fn scatter_of(
 
 fn worst_runs(folder: &Folder, outcomes: &Outcomes, gallery: &Gallery) -> Result<Markup, ReportError> {
     let all = worst(outcomes, WORST);
+    let manifest = folder.manifest()?;
     let columns = read_columns(&folder.path().join(RUNS), &["replay", "unmet", "rules_broken"])?;
     let text = |column: usize, run: u64| match columns.get(column) {
         Some(Some(Column::Text(values))) => values.get(run as usize).cloned().flatten().unwrap_or_default(),
         _ => String::new(),
     };
     Ok(html! {
-        @if all.is_empty() { p { "No run has a measure, and none failed." } }
+        @if all.is_empty() {
+            p { "No run has a measure, and none failed." }
+        } @else {
+            p.dim {
+                "Each command flies the run alone. Run it in " code { (manifest.folder.display()) }
+                @if let Some(plugins) = &manifest.plugins { ", with " code { "--plugins " (plugins.display()) } }
+                "; unlike the campaign, it reads BACKSEAT__ variables of the environment."
+            }
+        }
         @for worst in &all {
             @let picture = gallery.runs.iter().find(|(run, _)| *run == worst.run);
             p {

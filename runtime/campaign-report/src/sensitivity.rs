@@ -1,7 +1,7 @@
 //! Which parameter moves a measure.
 
 use crate::outcome::{Outcomes, Values};
-use crate::statistics::{explained, quantile, rank_correlation};
+use crate::statistics::{chance, explained, quantile, rank_correlation};
 
 /// A parameter with more values than this is cut into parts with equally many runs.
 const VALUES_MAX: usize = 12;
@@ -15,6 +15,10 @@ pub(crate) struct Sensitivity {
     pub(crate) share: f64,
     /// Spearman's rank correlation, if the parameter is a number.
     pub(crate) correlation: Option<f64>,
+    /// How probable such a share is by chance: the F test's p.
+    pub(crate) chance: f64,
+    /// The values that were compared: runs, or seeds where each seed draws.
+    pub(crate) count: usize,
 }
 
 /// The parameters by the share that they explain, the largest first. The runs of each arm are compared with the mean of
@@ -49,6 +53,8 @@ pub(crate) fn sensitivities(outcomes: &Outcomes, measure: usize) -> Vec<Sensitiv
                 parameter: parameter.name.clone(),
                 share: explained(&groups)?,
                 correlation,
+                chance: chance(&groups)?,
+                count: groups.iter().map(Vec::len).sum(),
             })
         })
         .collect();

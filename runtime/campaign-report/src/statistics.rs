@@ -2,7 +2,7 @@
 
 use backseat_units::math::{exp, ln};
 use backseat_world::Stream;
-use statrs::distribution::{Binomial, DiscreteCDF as _};
+use statrs::distribution::{Binomial, ContinuousCDF as _, DiscreteCDF as _, FisherSnedecor};
 
 /// The 97.5 % point of the normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
@@ -136,24 +136,70 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 /// The share of the variance of values that their groups explain, from 0 to 1, without what chance explains: epsilon
 /// squared (Kelley, PNAS 21(9), 1935). `None` if the values do not vary, or if each group has one value.
 pub(crate) fn explained(groups: &[Vec<f64>]) -> Option<f64> {
-    let count: usize = groups.iter().map(Vec::len).sum();
-    let filled = groups.iter().filter(|group| !group.is_empty()).count();
-    if filled < 2 || count <= filled {
-        return None;
+    let Sums {
+        between,
+        within,
+        groups,
+        values,
+    } = Sums::of(groups)?;
+    let noise = within / (values - groups);
+    Some(((between - (groups - 1.0) * noise) / (between + within)).clamp(0.0, 1.0))
+}
+
+/// How probable it is that the means of groups differ so much by chance: p of the F test of a one-way analysis of variance
+/// (Fisher, Statistical Methods for Research Workers, 1925). `None` as in [`explained`].
+pub(crate) fn chance(groups: &[Vec<f64>]) -> Option<f64> {
+    let Sums {
+        between,
+        within,
+        groups,
+        values,
+    } = Sums::of(groups)?;
+    let ratio = between / (groups - 1.0) / (within / (values - groups));
+    if !ratio.is_finite() {
+        return Some(0.0);
     }
-    let all = groups.iter().flatten().sum::<f64>() / count as f64;
-    let (mut between, mut within) = (0.0, 0.0);
-    for group in groups.iter().filter(|group| !group.is_empty()) {
-        let middle = mean(group);
-        between += group.len() as f64 * (middle - all) * (middle - all);
-        within += group
-            .iter()
-            .map(|value| (value - middle) * (value - middle))
-            .sum::<f64>();
+    let distribution = FisherSnedecor::new(groups - 1.0, values - groups).ok()?;
+    Some(distribution.sf(ratio).clamp(0.0, 1.0))
+}
+
+/// The sums of squares of a one-way analysis of variance.
+struct Sums {
+    /// Of the groups' means.
+    between: f64,
+    /// Of values about the mean of their group.
+    within: f64,
+    /// How many groups have values.
+    groups: f64,
+    /// How many values there are.
+    values: f64,
+}
+
+impl Sums {
+    /// `None` if the values do not vary, or if each group has one value.
+    fn of(groups: &[Vec<f64>]) -> Option<Self> {
+        let count: usize = groups.iter().map(Vec::len).sum();
+        let filled = groups.iter().filter(|group| !group.is_empty()).count();
+        if filled < 2 || count <= filled {
+            return None;
+        }
+        let all = groups.iter().flatten().sum::<f64>() / count as f64;
+        let (mut between, mut within) = (0.0, 0.0);
+        for group in groups.iter().filter(|group| !group.is_empty()) {
+            let middle = mean(group);
+            between += group.len() as f64 * (middle - all) * (middle - all);
+            within += group
+                .iter()
+                .map(|value| (value - middle) * (value - middle))
+                .sum::<f64>();
+        }
+        (between + within > 0.0).then_some(Self {
+            between,
+            within,
+            groups: filled as f64,
+            values: count as f64,
+        })
     }
-    let total = between + within;
-    let noise = within / (count - filled) as f64;
-    (total > 0.0).then(|| ((between - (filled - 1) as f64 * noise) / total).clamp(0.0, 1.0))
 }
 
 #[cfg(test)]
@@ -162,6 +208,17 @@ mod tests {
 
     fn near(value: f64, expected: f64) {
         assert!((value - expected).abs() < 1e-4, "{value} is not {expected}");
+    }
+
+    #[test]
+    fn groups_that_differ_by_chance_are_told_from_others() {
+        // Heights of three groups; R: oneway.test(..., var.equal = TRUE) has F(2, 6) = 27, p = 0.001.
+        let groups = [vec![1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0], vec![7.0, 8.0, 9.0]];
+        near(chance(&groups).unwrap(), 0.001);
+        let same = [vec![1.0, 2.0, 3.0], vec![3.0, 2.0, 1.0]];
+        near(chance(&same).unwrap(), 1.0);
+        assert_eq!(chance(&[vec![1.0, 1.0], vec![2.0, 2.0]]), Some(0.0));
+        assert_eq!(chance(&[vec![1.0], vec![2.0]]), None);
     }
 
     #[test]

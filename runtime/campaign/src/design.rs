@@ -225,6 +225,28 @@ impl Design {
         self.parameters.iter().map(|parameter| parameter.logarithmic)
     }
 
+    /// For each parameter in words which values it has.
+    pub(crate) fn ranges(&self) -> impl Iterator<Item = String> {
+        const SHOWN: usize = 12;
+        self.parameters.iter().map(|parameter| {
+            let (ends, spread) = match &parameter.source {
+                Source::Listed(values) => {
+                    let shown: Vec<String> = values.iter().take(SHOWN).map(ToString::to_string).collect();
+                    let more = if values.len() > SHOWN { ", ..." } else { "" };
+                    return format!("{}{more}", shown.join(", "));
+                }
+                Source::Latin(ends) => (ends, "Latin hypercube"),
+                Source::Sobol(ends) => (ends, "Sobol sequence"),
+                Source::Seed(ends) => (ends, "drawn by each seed"),
+            };
+            match ends {
+                Ends::Integers(from, to) => format!("{from} to {to}, whole, {spread}"),
+                Ends::Numbers(from, to) => format!("{from} to {to}, {spread}"),
+                Ends::Logarithmic(from, to) => format!("{from} to {to}, even in the logarithm, {spread}"),
+            }
+        })
+    }
+
     /// Values of a parameter of every type that it has: all of a list, one of a range.
     pub(crate) fn samples(&self, place: usize, seed: u64) -> Vec<Value> {
         match &self.parameters[place].source {

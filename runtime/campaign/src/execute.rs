@@ -1,3 +1,4 @@
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Mutex, PoisonError};
@@ -17,6 +18,8 @@ use crate::stop::Stop;
 const TAKEN: u64 = 8;
 /// Rows are on the disk at the latest after this.
 const SYNC_EVERY: Duration = Duration::from_secs(2);
+/// After so many rows it is known which measures there are.
+const LOOKED_AT: u64 = 8;
 /// The progress is shown this often while nothing ends.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 
@@ -55,6 +58,8 @@ pub struct Progress {
     pub violations: u64,
     /// Bytes at the journal's end that were damaged and have been cut off: the runs in them are flown again.
     pub cut_off: u64,
+    /// The first runs have measures, and not the one that the report shows first.
+    pub lacks_measure: bool,
 }
 
 /// How the flying of a campaign ended.
@@ -96,6 +101,7 @@ pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> R
     let (rows, ended) = sync_channel::<Told>(order.workers.max(1) * 16);
     let begun = now();
     let mut synced = begun;
+    let mut measured = BTreeSet::new();
     let written = thread::scope(|scope| {
         for _ in 0..order.workers.max(1) {
             let rows = rows.clone();
@@ -115,6 +121,10 @@ pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> R
                     progress.missed += u64::from(row.flown() && !row.passed());
                     progress.not_flown += u64::from(!row.flown());
                     progress.violations += row.violations();
+                    if progress.now <= LOOKED_AT {
+                        measured.extend(row.measures().map(str::to_owned));
+                        progress.lacks_measure = progress.now == LOOKED_AT && !order.plan.is_measured_by(&measured);
+                    }
                     if let Err(error) = journal.write(run, wall_ns, &row) {
                         stop.set();
                         return Err(error);
@@ -124,8 +134,8 @@ pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> R
                 Err(RecvTimeoutError::Timeout) => tell(&progress),
                 Err(RecvTimeoutError::Disconnected) => break,
             }
-            if now().duration_since(synced) >= SYNC_EVERY {
-                if let Err(error) = journal.sync() {
+            if progress.now == 1 || now().duration_since(synced) >= SYNC_EVERY {
+                if let Err(error) = journal.sync().and_then(|()| journal.is_there()) {
                     stop.set();
                     return Err(error);
                 }

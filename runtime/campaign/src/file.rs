@@ -166,19 +166,36 @@ impl CampaignFile {
             return fault("missions is empty: expected at least one mission's folder".to_owned());
         }
         let mut missions = BTreeSet::new();
-        if let Some(mission) = self.missions.iter().find(|mission| !missions.insert(*mission)) {
+        // Components tell `a/b`, `./a/b` and `a/b/` to be the same.
+        let normal = |mission: &Path| -> PathBuf {
+            let parts = mission.components();
+            parts.filter(|part| *part != std::path::Component::CurDir).collect()
+        };
+        if let Some(mission) = self.missions.iter().find(|mission| !missions.insert(normal(mission))) {
             return fault(format!("missions has {} twice", mission.display()));
         }
         let mut names = BTreeSet::new();
         for variant in &self.variants {
-            if variant.name.is_empty() || !names.insert(&variant.name) {
+            let plain = variant.name.trim() == variant.name && !variant.name.chars().any(char::is_control);
+            if variant.name.is_empty() || !plain || !names.insert(&variant.name) {
                 return fault(format!(
-                    "variant `{}`: expected a name that is not empty and not used twice",
-                    variant.name
+                    "variant `{}`: expected a name that is not empty, has no blanks around it, and is not used twice",
+                    variant.name.escape_debug()
                 ));
             }
         }
         let mut keys: Vec<&str> = Vec::new();
+        let sets = self.variants.iter().map(|variant| &variant.set).chain([&self.set]);
+        let set_keys: Vec<String> = sets.flat_map(flat).map(|(key, _)| key).collect();
+        let given = self.parameters().map(|parameter| parameter.key.as_str());
+        if let Some(key) = given
+            .chain(set_keys.iter().map(String::as_str))
+            .find(|key| !is_key(key))
+        {
+            return fault(format!(
+                "key `{key}`: expected a key such as limits.speed_max_mps or world.plan.1.timeout_s"
+            ));
+        }
         for parameter in self.parameters() {
             if let Some(other) = keys.iter().find(|other| overlap(other, &parameter.key)) {
                 return fault(format!(
@@ -222,6 +239,16 @@ impl ParameterTable {
             (Some(values), None, None) if self.stands_alone() => {
                 if values.is_empty() {
                     return Err(fault("values is empty: expected at least one value"));
+                }
+                if let Some((place, value)) = values
+                    .iter()
+                    .enumerate()
+                    .find(|(place, value)| values[..*place].contains(value))
+                {
+                    return Err(fault(&format!(
+                        "value {} of values, {value}, is there twice",
+                        place + 1
+                    )));
                 }
                 Source::Listed(values.iter().map(Value::of).collect())
             }
@@ -294,6 +321,15 @@ fn ends(from: &Toml, to: &Toml, whole: bool, logarithmic: bool) -> Result<Ends, 
         _ if logarithmic => Ok(Ends::Logarithmic(low, high)),
         _ => Ok(Ends::Numbers(low, high)),
     }
+}
+
+/// Whether a key is written as keys are: names between points, without blanks, and places of lists without a zero in front,
+/// so that no two keys are the same.
+fn is_key(key: &str) -> bool {
+    key.split('.').all(|part| {
+        let number = part.bytes().all(|byte| byte.is_ascii_digit());
+        !part.is_empty() && part.trim() == part && !(number && part.len() > 1 && part.starts_with('0'))
+    })
 }
 
 /// The line of a place in a text, from 1.
@@ -377,7 +413,7 @@ mod tests {
             ),
             (
                 &format!("{head}[[variant]]\nname = \"a\"\n[[variant]]\nname = \"a\"\n"),
-                "variant `a`: expected a name that is not empty and not used twice",
+                "variant `a`: expected a name that is not empty",
             ),
             (
                 &format!(
@@ -388,6 +424,22 @@ mod tests {
             (
                 &format!("{head}\n[[parameter]]\nkey = \"k.x\"\nvalues = []\n"),
                 "campaign.toml:4: parameter `k.x`: values is empty",
+            ),
+            (
+                &format!("{head}[[parameter]]\nkey = \" k.x\"\nvalues = [1]\n"),
+                "key ` k.x`: expected a key such as",
+            ),
+            (
+                &format!("{head}[[parameter]]\nkey = \"world.plan.01.x\"\nvalues = [1]\n"),
+                "key `world.plan.01.x`: expected a key such as",
+            ),
+            (
+                &format!("{head}[[variant]]\nname = \" \"\n"),
+                "variant ` `: expected a name",
+            ),
+            (
+                "missions = [\"m\", \"./m/\"]\nseeds = \"1..3\"\n",
+                "missions has ./m/ twice",
             ),
         ] {
             let error = read(text).unwrap_err();
@@ -407,6 +459,7 @@ mod tests {
         );
         for (text, expected) in [
             ("values = []", "values is empty"),
+            ("values = [1, 2, 1]", "value 3 of values, 1, is there twice"),
             ("from = 1\nto = 1\nsteps = 3", "expected from below to"),
             ("from = 1\nto = 2", "expected either steps = N"),
             ("from = 1\nto = 2\nsteps = 1", "steps is 1: expected 2 to 10000"),

@@ -119,13 +119,18 @@ impl Crew {
         Ok(components)
     }
 
+    /// Where the components of a mission are, in the order of its plugins.
+    pub(crate) fn paths(&self, mission: &Mission) -> Result<Vec<PathBuf>, CampaignError> {
+        Ok(mission.components(self.folder.as_deref())?)
+    }
+
     /// The SHA-256 of each component of a mission, by its plugin's name.
     ///
     /// # Errors
     ///
     /// [`CampaignError`] with the plugin and its file.
     pub(crate) fn hashes(&self, mission: &Mission) -> Result<BTreeMap<String, String>, CampaignError> {
-        let paths = mission.components(self.folder.as_deref())?;
+        let paths = self.paths(mission)?;
         let plugins = mission.file.plugins.iter().zip(paths);
         plugins
             .map(|(plugin, path)| Ok((plugin.name.clone(), hash_file(&path)?)))

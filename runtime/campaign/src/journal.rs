@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufReader, BufWriter, Read, Seek as _, SeekFrom, Write as _};
-use std::os::unix::fs::FileExt as _;
+use std::os::unix::fs::{FileExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -129,6 +129,21 @@ impl JournalWriter {
     pub(crate) fn sync(&mut self) -> Result<(), CampaignError> {
         let written = self.out.flush().and_then(|()| self.out.get_ref().sync_data());
         written.map_err(|source| CampaignError::file(&self.path, source))
+    }
+
+    /// Checks that the file is still where it was: what is written to one that was removed is lost.
+    pub(crate) fn is_there(&self) -> Result<(), CampaignError> {
+        let same = |there: &std::fs::Metadata| {
+            let ours = self.out.get_ref().metadata();
+            ours.is_ok_and(|ours| (ours.dev(), ours.ino()) == (there.dev(), there.ino()))
+        };
+        match std::fs::metadata(&self.path) {
+            Ok(there) if same(&there) => Ok(()),
+            Ok(_) | Err(_) => Err(CampaignError::folder(
+                &self.path,
+                "was removed or moved while the campaign flies: put it back, and the same command goes on",
+            )),
+        }
     }
 
     fn entry(&mut self, entry: &Entry) -> Result<(), CampaignError> {
@@ -345,6 +360,24 @@ mod tests {
         zeros[length - 60..].fill(0);
         std::fs::write(&path, &zeros).unwrap();
         assert!(Journal::read(&path, "id").unwrap().rows.len() < 5);
+    }
+
+    #[test]
+    fn a_journal_that_was_removed_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.journal");
+        let (writer, _) = JournalWriter::open(&path, "id", "here").unwrap();
+        assert!(writer.is_there().is_ok());
+        std::fs::remove_file(&path).unwrap();
+        assert!(
+            writer
+                .is_there()
+                .unwrap_err()
+                .to_string()
+                .contains("was removed or moved")
+        );
+        std::fs::write(&path, "another").unwrap();
+        assert!(writer.is_there().is_err());
     }
 
     #[test]

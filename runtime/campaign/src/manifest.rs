@@ -38,6 +38,10 @@ pub struct Manifest {
     components: BTreeMap<String, String>,
     /// The folder to which the missions' paths are relative. Results of several computers differ in it.
     pub folder: PathBuf,
+    /// The folder in which plugins were found that a mission names without a path. Results of several computers differ in
+    /// it.
+    #[serde(default)]
+    pub plugins: Option<PathBuf>,
 }
 
 /// The SHA-256 of what a mission is made of.
@@ -73,6 +77,7 @@ impl Manifest {
     pub(crate) fn new(plan: &Plan, crew: &Crew, sources: &Sources<'_>, version: &str) -> Result<Self, CampaignError> {
         let mut missions = BTreeMap::new();
         let mut components = BTreeMap::new();
+        let mut plugins = None;
         let step = plan.runs_of_point();
         let names_components = plan.parameters().any(|key| key.ends_with(".component"));
         let mut run = 0;
@@ -83,6 +88,9 @@ impl Manifest {
             }
             if key.point == 0 {
                 usable_point(plan, crew, key)?;
+            }
+            if plugins.is_none() {
+                plugins = folder_of_plugins(plan, crew, &key);
             }
             if key.point == 0 || (names_components && key.point < POINTS_MAX) {
                 for (plugin, hash) in component_hashes(plan, crew, &key)? {
@@ -107,6 +115,7 @@ impl Manifest {
             missions,
             components,
             folder: sources.folder.to_path_buf(),
+            plugins,
         })
     }
 
@@ -138,6 +147,7 @@ impl Manifest {
         // The outline has everything of the campaign's file that decides a run.
         let mut same = self.clone();
         same.folder = PathBuf::new();
+        same.plugins = None;
         same.campaign.clear();
         same.seeds = None;
         same.set.clear();
@@ -237,6 +247,19 @@ fn component_hashes(plan: &Plan, crew: &Crew, key: &Key) -> Result<BTreeMap<Stri
         // A point at which the mission cannot be read is a row of the results.
         Err(_) => Ok(BTreeMap::new()),
     }
+}
+
+/// The folder in which a run's first plugin without a path was found.
+fn folder_of_plugins(plan: &Plan, crew: &Crew, key: &Key) -> Option<PathBuf> {
+    let layers = Layers {
+        set: plan.sets(key).0,
+        environment: false,
+    };
+    let mission = Mission::load(&plan.place(key), &layers).ok()?;
+    let found = crew.paths(&mission).ok()?;
+    let mut named = mission.file.plugins.iter().zip(found);
+    let (_, path) = named.find(|(plugin, _)| !plugin.component.contains('/') && !plugin.component.contains('.'))?;
+    std::path::absolute(path.parent()?).ok()
 }
 
 /// Checks that one of the first points can be flown at all: a key that no file has fails at all of them.

@@ -1,3 +1,4 @@
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use backseat_scenario::split_sets;
@@ -180,9 +181,43 @@ impl Plan {
         })
     }
 
+    /// Some runs of each mission and variant, at most so many: at points and seeds that lie at even distances.
+    #[must_use]
+    pub fn some_runs(&self, most: u64) -> Vec<Key> {
+        let seeds = self.seeds.count();
+        let of_arm = self.points * seeds;
+        let arms = (self.runs / of_arm.max(1)).min(most);
+        let varied = self.drawn_from_seeds().any(|drawn| drawn);
+        let values = if varied { self.points.max(seeds) } else { self.points };
+        let count = (most / arms.max(1)).clamp(1, values);
+        let run = |arm: u64, place: u64| {
+            let (point, seed) = (place * self.points / count, place * seeds / count);
+            arm * of_arm + point * seeds + seed
+        };
+        (0..arms)
+            .flat_map(|arm| (0..count).filter_map(move |place| self.key(run(arm, place))))
+            .collect()
+    }
+
+    /// Whether the measure that the report shows first, if one is named, is among these.
+    pub(crate) fn is_measured_by(&self, names: &BTreeSet<String>) -> bool {
+        names.is_empty() || self.measure.as_ref().is_none_or(|(measure, _)| names.contains(measure))
+    }
+
     /// The names of the parameters: keys of `mission.toml`, or of `world.toml` behind `world.`.
     pub fn parameters(&self) -> impl Iterator<Item = &str> {
         self.design.keys()
+    }
+
+    /// The variants: their names, and what each sets.
+    pub fn variants(&self) -> impl Iterator<Item = (&str, &[String])> {
+        let variants = self.variants.iter();
+        variants.map(|variant| (variant.name.as_str(), variant.sets.as_slice()))
+    }
+
+    /// For each parameter in words which values it has.
+    pub fn ranges(&self) -> impl Iterator<Item = String> {
+        self.design.ranges()
     }
 
     /// The value of each parameter in a run.
@@ -359,6 +394,23 @@ mod tests {
              --set 'world.current.speed_mps=[0.1, 0.2]'"
         );
         assert_eq!(plan.place(&key), Path::new("here/b c"));
+    }
+
+    #[test]
+    fn some_runs_are_of_every_arm_and_of_points_at_even_distances() {
+        let plan = plan(TWO);
+        let looked_at = plan.some_runs(8);
+        let places: Vec<_> = looked_at
+            .iter()
+            .map(|key| (key.mission, key.variant, key.point))
+            .collect();
+        let expected: Vec<_> = [(0, 0), (0, 1), (1, 0), (1, 1)]
+            .into_iter()
+            .flat_map(|(mission, variant)| [(mission, variant, 0), (mission, variant, 1)])
+            .collect();
+        assert_eq!(places, expected);
+        assert_eq!(plan.some_runs(2).len(), 2);
+        assert_eq!(plan.some_runs(1000).len(), 2 * 2 * 3);
     }
 
     #[test]

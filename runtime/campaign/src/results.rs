@@ -69,7 +69,7 @@ pub fn finish(plan: &Plan, folders: &[Folder], out: &Folder) -> Result<Finished,
     Ok(finished)
 }
 
-/// How many runs are not flown yet.
+/// How many runs are not flown yet; those that several shards have flown count once.
 ///
 /// # Errors
 ///
@@ -168,7 +168,7 @@ fn index(plan: &Plan, journals: &[Journal], out: &Folder) -> Result<Vec<(u32, Pl
 fn lacking(out: &Folder, journals: &[Journal], flown: &[u64], runs: u64) -> CampaignError {
     let damaged = journals.iter().filter(|journal| journal.damaged > 0);
     let damaged: Vec<String> = damaged
-        .map(|journal| format!("; {} is damaged at its end", journal.path().display()))
+        .map(|journal| format!("; {} is damaged", journal.path().display()))
         .collect();
     CampaignError::folder(
         out.path(),

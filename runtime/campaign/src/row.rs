@@ -66,6 +66,12 @@ pub(crate) const MARGIN: &str = "margin.";
 pub(crate) const PUBLISHED: &str = "published.";
 
 impl Row {
+    /// The names of what was measured.
+    pub(crate) fn measures(&self) -> impl Iterator<Item = &str> {
+        let names = self.cells.iter().map(|(name, _)| name.as_str());
+        names.filter(|name| !COLUMNS.contains(name) && !name.starts_with(MARGIN))
+    }
+
     /// The row of a run that was flown.
     pub(crate) fn of(report: &Report) -> Self {
         let mut row = Self::default();

@@ -107,5 +107,5 @@ pub use header::{COMPONENT_LIMIT, Header, Rate, Sources};
 pub use log::{Attachment, Entry, Log, Record, Run, parse, read};
 pub use message::{LoggedInput, described as describe_state};
 pub use reader::LogReader;
-pub use recorder::Recorder;
+pub use recorder::{Listener, Recorder};
 pub use remark::Remark;

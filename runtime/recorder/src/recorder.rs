@@ -58,7 +58,13 @@ pub struct Recorder<W: Write + Seek> {
     measures: Measures,
     /// The time of the newest message.
     newest: Timestamp,
+    /// The topics by MCAP identifier.
+    topics: BTreeMap<u16, String>,
+    listener: Option<Listener>,
 }
+
+/// Is told each message as it is recorded: the run's time, the topic and the message.
+pub type Listener = Box<dyn FnMut(Timestamp, &str, &[u8]) + Send>;
 
 impl Recorder<BufWriter<File>> {
     /// Creates a log file, and replaces an existing one.
@@ -110,7 +116,28 @@ impl<W: Write + Seek> Recorder<W> {
             derived_ids: [None; Topic::COUNT],
             measures: Measures::new(header),
             newest: Timestamp::ZERO,
+            topics: BTreeMap::new(),
+            listener: None,
         })
+    }
+
+    /// Has somebody listen to every message from now on. Before the first message, that is all of them.
+    pub fn listen(&mut self, listener: Listener) {
+        let topics = Channel::ALL.into_iter().zip(self.ids);
+        self.topics
+            .extend(topics.map(|(channel, id)| (id, channel.topic().to_owned())));
+        self.listener = Some(listener);
+    }
+
+    /// Records that somebody at a console has asked for something, as a line of `/log`. It changes nothing by itself: what
+    /// core is told is an input of its own.
+    ///
+    /// # Errors
+    ///
+    /// [`RecorderError::Write`].
+    pub fn asked(&mut self, now: Timestamp, text: &str) -> Result<(), RecorderError> {
+        self.view.asked(self.moment(now), text, &mut self.derived);
+        self.put_derived(now)
     }
 
     /// Records the values with which core was started. This comes before the first input, so that a replay starts core
@@ -277,13 +304,19 @@ impl<W: Write + Seek> Recorder<W> {
     /// The channel of a published value.
     fn measure_id(&mut self, plugin: PluginId, measure: &Measure) -> Result<u16, RecorderError> {
         let Self {
-            measures, writer, log, ..
+            measures,
+            writer,
+            log,
+            topics,
+            ..
         } = self;
         measures.channel(plugin, &measure.name, |topic, schema| {
-            writer
+            let id = writer
                 .add_schema("backseat.Measure", "jsonschema", schema.as_bytes())
                 .and_then(|schema| writer.add_channel(schema, topic, ENCODING, &BTreeMap::new()))
-                .map_err(|source| write_error(log, source))
+                .map_err(|source| write_error(log, source))?;
+            topics.insert(id, topic.to_owned());
+            Ok(id)
         })
     }
 
@@ -348,6 +381,7 @@ impl<W: Write + Seek> Recorder<W> {
             })
             .map_err(|source| write_error(&self.log, source))?;
         self.derived_ids[place] = Some(id);
+        self.topics.insert(id, topic.name());
         Ok(id)
     }
 
@@ -361,6 +395,11 @@ impl<W: Write + Seek> Recorder<W> {
         };
         self.sequence = self.sequence.wrapping_add(1);
         self.newest = self.newest.max(now);
+        if let Some(listener) = &mut self.listener
+            && let Some(topic) = self.topics.get(&channel_id)
+        {
+            listener(now, topic, data);
+        }
         self.writer
             .write_to_known_channel(&header, data)
             .map_err(|source| write_error(&self.log, source))?;

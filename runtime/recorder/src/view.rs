@@ -173,6 +173,11 @@ impl View {
         self.journal.vehicle_said(moment, text, batch);
     }
 
+    /// Somebody at a console asked for something.
+    pub(crate) fn asked(&mut self, moment: Moment, text: &str, batch: &mut Batch) {
+        self.journal.operator_asked(moment, text, batch);
+    }
+
     /// The log ends.
     pub(crate) fn finish(&mut self, batch: &mut Batch) {
         self.inserts.finish(&self.names, batch);

@@ -3,6 +3,7 @@
 mod cargo;
 mod check;
 mod compile;
+mod console;
 mod cross;
 mod demo;
 mod digest;
@@ -66,6 +67,8 @@ enum Task {
     /// Open the exports of `s7k export` and `log export` with readers that others wrote (from PyPI), and compare every
     /// figure
     Exports,
+    /// Test the page of the web console in Chromium, with Node 20 and playwright-core (from npm), and take pictures of it
+    Console,
     /// Test the SDK for plugins in Python and fly its plugins, with componentize-py (from PyPI); builds the components of
     /// the plugins in Python into target/plugins. Then build the package `backseat` for studies into target/wheels, with
     /// Maturin (from PyPI), and run its tests and its notebook
@@ -90,6 +93,7 @@ fn main() -> ExitCode {
         Task::Mutants(arguments) => mutants::mutants(&arguments),
         Task::Digest(arguments) => digest::digest(&arguments),
         Task::Exports => exports::exports(),
+        Task::Console => console::console(),
         Task::Python => python::python(),
         Task::Reference => reference::reference(),
         Task::Tidy => tidy::tidy(),

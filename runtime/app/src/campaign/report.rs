@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use backseat_campaign::{Crew, Folder, RUNS};
+use backseat_campaign::{Crew, Folder, RUNS, pending};
 use backseat_campaign_report::write;
 use clap::Args;
 
@@ -22,8 +22,10 @@ pub(crate) struct CampaignReport {
 
 pub(super) fn report(arguments: &CampaignReport) -> Result<()> {
     let folder = whole(&arguments.dir)?;
-    let plan = folder.manifest()?.plan(folder.path())?;
-    let crew = Crew::new(host_with(true)?, arguments.plugins.clone());
+    let manifest = folder.manifest()?;
+    let plan = manifest.plan(folder.path())?;
+    let plugins = arguments.plugins.clone().or_else(|| manifest.plugins.clone());
+    let crew = Crew::new(host_with(true)?, plugins.filter(|plugins| plugins.is_dir()));
     warn_lacking(write(&folder, &plan, Some(&crew))?);
     say!("report: {}", folder.path().join("report.html").display());
     Ok(())
@@ -33,9 +35,13 @@ pub(super) fn report(arguments: &CampaignReport) -> Result<()> {
 pub(super) fn whole(path: &std::path::Path) -> Result<Folder> {
     let folder = Folder::open(path)?;
     if !folder.path().join(RUNS).is_file() {
+        let plan = folder.manifest()?.plan(folder.path())?;
+        let left = pending(&plan, &folder)?;
         bail!(
-            "{}: has no {RUNS} yet: the campaign is not whole; fly the rest with the same command, or merge its shards",
-            path.display()
+            "{}: has no {RUNS} yet: {} of {} runs are flown; fly the rest with the same command, or merge its shards",
+            path.display(),
+            plan.runs() - left,
+            plan.runs()
         );
     }
     Ok(folder)

@@ -37,6 +37,15 @@ pub(super) fn slurm(arguments: &CampaignSlurm) -> Result<()> {
     if campaign.shard.is_some() {
         bail!("--shard: the tasks get it from `campaign slurm`: leave it out");
     }
+    if campaign.stop_after.is_some() {
+        bail!("--stop-after: a task stops before its --minutes are over: leave it out");
+    }
+    if campaign.workers.is_some() {
+        bail!("--workers: a task flies on all of its --cores: leave it out");
+    }
+    if campaign.json {
+        bail!("--json: the tasks write to files of the results folder: leave it out");
+    }
     // Reads everything once here, so that an error comes now and not from each task.
     campaign.open(&given)?;
     let absolute = |path: &Path| std::path::absolute(path).with_context(|| path.display().to_string());

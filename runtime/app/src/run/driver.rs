@@ -17,7 +17,7 @@ use crate::external::{Heard, Ports};
 use crate::helm::Helm;
 use crate::keeper::{Keeper, Kept};
 use crate::link::{Link, Ready, connect};
-use crate::operator::Signals;
+use crate::operator::{Asked, Signals};
 use crate::plugins::{Answer, Crew};
 use crate::rate::Rate;
 use crate::recording::{Queue, Recording};
@@ -180,7 +180,7 @@ impl Driver {
                 // piled up.
                 biased;
                 () = clock.sleep_until(wake) => self.feed(Input::Timeout),
-                act = signals.next() => self.operator(act),
+                asked = signals.next() => self.asked(asked),
                 Some(kept) = kept.recv() => self.kept(kept),
                 Some(answer) = answers.recv() => self.answered(answer),
                 connected = connected(&mut self.connecting) => self.connected(connected),
@@ -401,6 +401,17 @@ impl Driver {
         self.keeper.hold(held);
     }
 
+    /// Does what a signal or somebody at the console asks for; the log has who it was.
+    fn asked(&mut self, asked: Asked) {
+        if let Some(who) = &asked.who {
+            let text = format!("{who} at the console: {}", asked.word());
+            info!("{text}");
+            let now = self.clock.now();
+            self.record(now, |recorder| recorder.asked(now, &text));
+        }
+        self.operator(asked.act);
+    }
+
     fn operator(&mut self, act: Operator) {
         self.feed(Input::Operator(act));
     }
@@ -450,7 +461,7 @@ impl Driver {
     }
 
     /// Records what happened at this time.
-    fn record(&mut self, now: Timestamp, act: impl FnOnce(&mut Recorder<Queue>) -> Result<(), RecorderError>) {
+    fn record(&mut self, now: Timestamp, act: impl Fn(&mut Recorder<Queue>) -> Result<(), RecorderError>) {
         self.recorder.record(now, act);
     }
 }

@@ -50,6 +50,10 @@ impl Journal {
     pub(super) fn vehicle_said(&self, moment: Moment, text: &str, batch: &mut Batch) {
         write_line(moment, INFO, "vehicle", text, batch);
     }
+
+    pub(super) fn operator_asked(&self, moment: Moment, text: &str, batch: &mut Batch) {
+        write_line(moment, INFO, "operator", text, batch);
+    }
 }
 
 fn write_line(moment: Moment, level: u8, name: &str, message: &str, batch: &mut Batch) {

@@ -1,0 +1,190 @@
+//! Serves the page and the items, over HTTP/1.1 on a thread and a runtime of its own.
+
+mod api;
+mod assets;
+mod guard;
+mod socket;
+
+use std::net::SocketAddr;
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::middleware::from_fn_with_state;
+use axum::routing::{any, get, post};
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::time::timeout;
+use tracing::warn;
+
+use crate::hub::Hub;
+use crate::operator::{Asked, Desk};
+use crate::token::Token;
+use api::Tries;
+
+/// Connections at once. A browser opens about six.
+const CONNECTIONS_MAX: usize = 96;
+/// A client that has not sent the head of its request after this is cut off.
+const HEAD_WITHIN: Duration = Duration::from_secs(5);
+/// The largest body of a request, bytes.
+pub(crate) const BODY_MAX: usize = 4096;
+/// The largest head of a request, bytes.
+const HEAD_MAX: usize = 16 << 10;
+/// A connection that is no feed is closed after this, also if nobody reads what it sends. Browsers open another.
+const CONNECTION_MAX: Duration = Duration::from_secs(120);
+/// After an error of the listener, such as too many open files.
+const PAUSE: Duration = Duration::from_millis(200);
+
+/// Why the console cannot be served.
+#[derive(Debug, thiserror::Error)]
+pub enum ServerError {
+    /// The address is not of this computer alone.
+    #[error("{address}: the console listens on this computer alone: give 127.0.0.1:PORT, and reach it through ssh -L")]
+    NotLoopback {
+        /// The address.
+        address: SocketAddr,
+    },
+    /// The address is in use, or not this computer's.
+    #[error("{address}: {source}: give another port, or 127.0.0.1:0 for a free one")]
+    Bind {
+        /// The address.
+        address: SocketAddr,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// A thread or a runtime cannot start.
+    #[error("the console cannot start: {0}")]
+    Start(std::io::Error),
+}
+
+/// A port that is open, so that a wrong one is found before a run begins.
+#[derive(Debug)]
+pub struct Listener {
+    listener: std::net::TcpListener,
+    address: SocketAddr,
+}
+
+impl Listener {
+    /// Opens a port of this computer. Port 0 is any free one.
+    ///
+    /// # Errors
+    ///
+    /// [`ServerError::NotLoopback`], [`ServerError::Bind`].
+    pub fn open(address: SocketAddr) -> Result<Self, ServerError> {
+        if !address.ip().is_loopback() {
+            return Err(ServerError::NotLoopback { address });
+        }
+        let bound = std::net::TcpListener::bind(address).and_then(|listener| {
+            listener.set_nonblocking(true)?;
+            let address = listener.local_addr()?;
+            Ok(Self { listener, address })
+        });
+        bound.map_err(|source| ServerError::Bind { address, source })
+    }
+
+    /// The address with its port.
+    #[must_use]
+    pub const fn address(&self) -> SocketAddr {
+        self.address
+    }
+}
+
+/// What is served.
+#[derive(Debug)]
+pub struct Service {
+    /// What is shown.
+    pub hub: Hub,
+    /// With it the operator can hold and release; without it nobody can.
+    pub token: Option<Token>,
+    /// Whether items follow: a log that was read has none.
+    pub live: bool,
+}
+
+pub(crate) struct Shared {
+    pub(crate) hub: Hub,
+    pub(crate) token: Option<Token>,
+    pub(crate) live: bool,
+    pub(crate) desk: Desk,
+    pub(crate) tries: Mutex<Tries>,
+    pub(crate) port: u16,
+}
+
+/// Serves on a thread of its own until the process ends. Returns what the operator asks for.
+///
+/// # Errors
+///
+/// [`ServerError::Start`].
+pub fn serve(listener: Listener, service: Service) -> Result<tokio::sync::mpsc::Receiver<Asked>, ServerError> {
+    let (desk, asked) = Desk::new();
+    let shared = Arc::new(Shared {
+        hub: service.hub,
+        token: service.token,
+        live: service.live,
+        desk,
+        tries: Mutex::default(),
+        port: listener.address.port(),
+    });
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(ServerError::Start)?;
+    let listener = {
+        let _within = runtime.enter();
+        TcpListener::from_std(listener.listener).map_err(ServerError::Start)?
+    };
+    thread::Builder::new()
+        .name("console".to_owned())
+        .spawn(move || runtime.block_on(accept(listener, router(shared))))
+        .map_err(ServerError::Start)?;
+    Ok(asked)
+}
+
+fn router(shared: Arc<Shared>) -> Router {
+    Router::new()
+        .route("/api/about", get(api::about))
+        .route("/api/history", get(api::history))
+        .route("/api/feed", any(socket::feed))
+        .route("/api/operator", post(api::operator))
+        .fallback(get(assets::file))
+        .layer(DefaultBodyLimit::max(BODY_MAX))
+        .layer(from_fn_with_state(Arc::clone(&shared), guard::guard))
+        .with_state(shared)
+}
+
+async fn accept(listener: TcpListener, router: Router) {
+    let room = Arc::new(Semaphore::new(CONNECTIONS_MAX));
+    let mut told = false;
+    loop {
+        let stream = match listener.accept().await {
+            Ok((stream, _)) => stream,
+            Err(error) => {
+                if !std::mem::replace(&mut told, true) {
+                    warn!("console: no further connections for now: {error}");
+                }
+                tokio::time::sleep(PAUSE).await;
+                continue;
+            }
+        };
+        // Without room the connection is closed at once.
+        if let Ok(permit) = Arc::clone(&room).try_acquire_owned() {
+            tokio::spawn(converse(stream, router.clone(), permit));
+        }
+    }
+}
+
+async fn converse(stream: TcpStream, router: Router, _permit: OwnedSemaphorePermit) {
+    let served = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEAD_WITHIN)
+        .max_buf_size(HEAD_MAX)
+        .keep_alive(true)
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
+        .with_upgrades();
+    // A browser that goes away in mid-sentence is no news, and a feed goes on by itself.
+    drop(timeout(CONNECTION_MAX, served).await);
+}

@@ -1,0 +1,150 @@
+use std::convert::Infallible;
+use std::sync::{Arc, PoisonError};
+use std::time::Duration;
+
+use axum::Json;
+use axum::body::{Body, Bytes};
+use axum::extract::State;
+use axum::extract::rejection::JsonRejection;
+use axum::http::header::{AUTHORIZATION, CONTENT_TYPE};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse as _, Response};
+use futures_util::stream;
+use serde::Deserialize;
+use serde_json::json;
+use tokio::time::{Instant, sleep};
+use tracing::warn;
+
+use super::Shared;
+use crate::operator::{Act, Asked};
+
+/// After a wrong token the answer waits for this.
+const SLOWED: Duration = Duration::from_secs(1);
+/// Wrong tokens in a row, after which none is looked at for a while.
+const TRIES_MAX: u32 = 5;
+/// That while.
+const LOCKED: Duration = Duration::from_secs(30);
+/// Items in one piece of the history.
+const PIECE: usize = 512;
+/// A name that is longer is no name.
+const NAME_MAX: usize = 64;
+
+/// Wrong tokens that were given.
+#[derive(Debug, Default)]
+pub(crate) struct Tries {
+    wrong: u32,
+    locked_until: Option<Instant>,
+}
+
+pub(super) async fn about(State(shared): State<Arc<Shared>>) -> Response {
+    ([(CONTENT_TYPE, "application/json")], shared.hub.about()).into_response()
+}
+
+/// Everything that is kept, an item a line, in pieces, so that a browser shows the first while the last are on their way.
+pub(super) async fn history(State(shared): State<Arc<Shared>>) -> Response {
+    let items = shared.hub.history();
+    // A piece is made when the browser has taken the one before: a browser that does not read costs no memory.
+    let pieces = (0..items.len().div_ceil(PIECE)).map(move |place| {
+        let items = &items[place * PIECE..items.len().min((place + 1) * PIECE)];
+        let mut piece = Vec::with_capacity(items.iter().map(|item| item.json.len() + 1).sum());
+        for item in items {
+            piece.extend_from_slice(item.json.as_bytes());
+            piece.push(b'\n');
+        }
+        Ok::<_, Infallible>(Bytes::from(piece))
+    });
+    let body = Body::from_stream(stream::iter(pieces));
+    ([(CONTENT_TYPE, "application/x-ndjson")], body).into_response()
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Wish {
+    Hold,
+    Release,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Request {
+    act: Wish,
+    who: String,
+}
+
+pub(super) async fn operator(
+    State(shared): State<Arc<Shared>>,
+    headers: HeaderMap,
+    request: Result<Json<Request>, JsonRejection>,
+) -> Response {
+    let Some(token) = shared.token.as_ref().filter(|_| shared.live) else {
+        return refused(
+            StatusCode::CONFLICT,
+            "this console only shows: nothing can be held or released here",
+        );
+    };
+    let given = headers
+        .get(AUTHORIZATION)
+        .and_then(|value| value.to_str().ok())
+        .and_then(|value| value.strip_prefix("Bearer "))
+        .unwrap_or_default();
+    if shared.is_locked() {
+        return refused(
+            StatusCode::TOO_MANY_REQUESTS,
+            "too many wrong tokens: try again in half a minute",
+        );
+    }
+    if !token.is(given) {
+        shared.tried_wrong();
+        sleep(SLOWED).await;
+        return refused(
+            StatusCode::UNAUTHORIZED,
+            "wrong token: the file console.token of the state folder has it",
+        );
+    }
+    shared.tried_right();
+    let Json(request) = match request {
+        Ok(request) => request,
+        Err(error) => return refused(StatusCode::BAD_REQUEST, &error.body_text()),
+    };
+    let who = request.who.trim().to_owned();
+    if who.is_empty() || who.chars().count() > NAME_MAX || who.chars().any(char::is_control) {
+        return refused(StatusCode::BAD_REQUEST, "who: expected a name of 1 to 64 characters");
+    }
+    let act = match request.act {
+        Wish::Hold => Act::Hold,
+        Wish::Release => Act::Release,
+    };
+    if shared.desk.ask(Asked { act, who }) {
+        (StatusCode::ACCEPTED, Json(json!({}))).into_response()
+    } else {
+        refused(StatusCode::CONFLICT, "the run has ended")
+    }
+}
+
+fn refused(status: StatusCode, error: &str) -> Response {
+    (status, Json(json!({ "error": error }))).into_response()
+}
+
+impl Shared {
+    fn is_locked(&self) -> bool {
+        let tries = self.tries.lock().unwrap_or_else(PoisonError::into_inner);
+        tries.locked_until.is_some_and(|until| Instant::now() < until)
+    }
+
+    fn tried_wrong(&self) {
+        let mut tries = self.tries.lock().unwrap_or_else(PoisonError::into_inner);
+        tries.wrong += 1;
+        if tries.wrong >= TRIES_MAX {
+            tries.wrong = 0;
+            tries.locked_until = Some(Instant::now() + LOCKED);
+            warn!(
+                "console: {TRIES_MAX} wrong tokens: none is looked at for {} s",
+                LOCKED.as_secs()
+            );
+        }
+    }
+
+    fn tried_right(&self) {
+        self.tries.lock().unwrap_or_else(PoisonError::into_inner).wrong = 0;
+    }
+}

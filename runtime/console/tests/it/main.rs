@@ -1,0 +1,332 @@
+//! The server as a browser, a stranger and an attacker meet it.
+#![expect(
+    clippy::disallowed_methods,
+    clippy::unwrap_used,
+    reason = "tests measure the time that answers take"
+)]
+
+use std::io::{Read as _, Write as _};
+use std::net::{SocketAddr, TcpStream};
+use std::time::{Duration, Instant};
+
+use backseat_console::{
+    About, Act, Asked, Feed, Hub, Item, Kind, Limits, Listener, Origin, Service, Teller, Token, serve,
+};
+use backseat_units::Timestamp;
+use serde_json::Value;
+use tempfile::TempDir;
+use tokio::sync::mpsc::Receiver;
+use tungstenite::{Message, connect};
+
+struct Console {
+    address: SocketAddr,
+    hub: Hub,
+    feed: Feed,
+    asked: Receiver<Asked>,
+    token: String,
+    _folder: TempDir,
+}
+
+fn console() -> Console {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("console.token");
+    let token = Token::create(&path).unwrap();
+    let origin = Origin { lat: 42.0, lon: -70.0 };
+    let about = About {
+        operator: true,
+        ..About::new(
+            Kind::Live,
+            "isobath",
+            7,
+            origin,
+            "[[plugin]]\nname = \"isobath\"\n",
+            "{}",
+        )
+    };
+    let hub = Hub::new(&about, Limits::LIVE);
+    let feed = hub.listen(Teller::new(about.budgets())).unwrap();
+    let listener = Listener::open("127.0.0.1:0".parse().unwrap()).unwrap();
+    let address = listener.address();
+    let service = Service {
+        hub: hub.clone(),
+        token: Some(token),
+        live: true,
+    };
+    Console {
+        address,
+        hub,
+        feed,
+        asked: serve(listener, service).unwrap(),
+        token: std::fs::read_to_string(&path).unwrap().trim().to_owned(),
+        _folder: folder,
+    }
+}
+
+impl Console {
+    /// Sends a request as it is, and returns the whole answer.
+    fn raw(&self, request: &str) -> String {
+        let mut stream = TcpStream::connect(self.address).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        // A server that cuts the connection off has answered too.
+        drop(stream.read_to_end(&mut answer));
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    fn get(&self, path: &str) -> String {
+        self.raw(&format!(
+            "GET {path} HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n",
+            self.address
+        ))
+    }
+
+    fn post(&self, token: &str, body: &str, more: &str) -> String {
+        self.raw(&format!(
+            "POST /api/operator HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Type: application/json\r\n\
+             Authorization: Bearer {token}\r\nContent-Length: {}\r\n{more}\r\n{body}",
+            self.address,
+            body.len()
+        ))
+    }
+}
+
+fn status(answer: &str) -> u16 {
+    let code = answer.split(' ').nth(1).and_then(|code| code.parse().ok());
+    code.unwrap_or_else(|| panic!("no answer: {answer:?}"))
+}
+
+const HOLD: &str = r#"{"act":"hold","who":"Ann"}"#;
+
+#[test]
+fn a_browser_gets_the_page_and_what_happened() {
+    let console = console();
+    let page = console.get("/");
+    assert!(page.contains("text/html") && page.contains("<html"), "{page}");
+    assert!(page.contains("content-security-policy: default-src 'self'"), "{page}");
+    for file in [
+        "/assets/js/main.js",
+        "/assets/style.css",
+        "/assets/vendor/leaflet/leaflet.js",
+    ] {
+        assert_eq!(status(&console.get(file)), 200, "{file}");
+    }
+    let about = console.get("/api/about");
+    let about: Value = serde_json::from_str(about.split("\r\n\r\n").nth(1).unwrap()).unwrap();
+    assert_eq!(
+        (&about["kind"], &about["plugins"][0]["name"]),
+        (&"live".into(), &"isobath".into())
+    );
+    assert_eq!(about["run"].as_str().map(str::len), Some(16));
+    for t in 0..1000 {
+        let text = format!("line {t}");
+        let item = Item::Status { text };
+        console.hub.add(f64::from(t), &item, t % 2 == 0);
+    }
+    let history = console.get("/api/history");
+    assert_eq!(history.matches(r#""kind":"status""#).count(), 500);
+    assert!(
+        history.contains(r#"{"n":1,"t":0.0,"kind":"status","text":"line 0"}"#),
+        "{history}"
+    );
+}
+
+#[test]
+fn the_feed_goes_on_where_a_browser_was_and_tells_it_to_begin_again_if_that_is_gone() {
+    let console = console();
+    let mut told = 0;
+    let mut tell = |count: u64| {
+        for _ in 0..count {
+            told += 1;
+            let now = Timestamp::ZERO + Duration::from_millis(told);
+            let message = format!(r#"{{"granted":true,"reason":"{told}"}}"#);
+            console.feed.tell(now, "/control", message.as_bytes());
+        }
+    };
+    tell(3);
+    let socket = |after: u64| {
+        connect(format!("ws://{}/api/feed?after={after}", console.address))
+            .unwrap()
+            .0
+    };
+    let items = |message: Message| -> Vec<Value> { serde_json::from_str(message.to_text().unwrap()).unwrap() };
+    let mut browser = socket(0);
+    let mut seen = Vec::new();
+    while seen.len() < 4 {
+        seen.extend(items(browser.read().unwrap()));
+    }
+    // The first message makes a beat too.
+    assert_eq!(
+        seen.iter().filter(|item| item["kind"] == "control").count(),
+        3,
+        "{seen:?}"
+    );
+    let last = seen.last().unwrap()["n"].as_u64().unwrap();
+    // Nothing happens: an empty frame says that the program lives.
+    assert_eq!(items(browser.read().unwrap()), Vec::<Value>::new());
+    drop(browser);
+    tell(1);
+    let after = loop {
+        let found = items(socket(last).read().unwrap());
+        if let Some(first) = found.first() {
+            break first["n"].as_u64();
+        }
+    };
+    assert_eq!(after, Some(last + 1));
+    let reset = items(socket(1_000_000).read().unwrap());
+    assert_eq!(reset[0]["kind"], "reset", "a number of another run");
+    for t in 0..20_000 {
+        let text = "more than is kept for those who are late".to_owned();
+        console.hub.add(f64::from(t), &Item::Status { text }, true);
+    }
+    let reset = items(socket(last).read().unwrap());
+    assert_eq!(reset[0]["kind"], "reset", "too late");
+}
+
+#[test]
+fn only_who_has_the_token_holds_and_wrong_ones_are_slowed_and_then_not_looked_at() {
+    let mut console = console();
+    assert_eq!(status(&console.post(&console.token, HOLD, "")), 202);
+    let asked = console.asked.try_recv().unwrap();
+    assert_eq!((asked.act, asked.who.as_str()), (Act::Hold, "Ann"));
+    for (body, code) in [
+        (r#"{"act":"hold"}"#, 400),
+        (r#"{"act":"hold","who":""}"#, 400),
+        (r#"{"act":"hold","who":"a\nb"}"#, 400),
+        (r#"{"act":"abort","who":"Ann"}"#, 400),
+        ("not JSON", 400),
+    ] {
+        assert_eq!(status(&console.post(&console.token, body, "")), code, "{body}");
+    }
+    let began = Instant::now();
+    let wrong = "0".repeat(32);
+    assert_eq!(status(&console.post(&wrong, HOLD, "")), 401);
+    assert!(began.elapsed() > Duration::from_millis(900), "the answer is slowed");
+    for _ in 0..4 {
+        assert_eq!(status(&console.post("", HOLD, "")), 401);
+    }
+    assert_eq!(
+        status(&console.post(&console.token, HOLD, "")),
+        429,
+        "none is looked at for a while"
+    );
+    assert!(console.asked.try_recv().is_err());
+}
+
+#[test]
+fn other_sites_and_other_names_get_nothing() {
+    let console = console();
+    let port = console.address.port();
+    for (host, more, code) in [
+        (format!("127.0.0.1:{port}"), "Origin: http://evil.example\r\n", 403),
+        ("evil.example".to_owned(), "", 403),
+        (format!("localhost:{port}"), "", 200),
+    ] {
+        let answer = console.raw(&format!(
+            "GET /api/about HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n{more}\r\n"
+        ));
+        assert_eq!(status(&answer), code, "{host} {more}");
+    }
+    assert_eq!(
+        status(&console.post(&console.token, HOLD, "Origin: http://evil.example\r\n")),
+        403
+    );
+    for path in [
+        "/../../../etc/passwd",
+        "/assets/../Cargo.toml",
+        "/assets/..%2f..%2fCargo.toml",
+        "/assets//etc/passwd",
+        "/api/none",
+    ] {
+        assert_eq!(status(&console.get(path)), 404, "{path}");
+    }
+}
+
+#[test]
+fn large_bodies_long_heads_and_sockets_that_say_nothing_cost_little() {
+    let console = console();
+    let large = console.raw(&format!(
+        "POST /api/operator HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Type: application/json\r\n\
+         Authorization: Bearer {}\r\nContent-Length: 1000000000\r\n\r\n{{\"act\"",
+        console.address, console.token
+    ));
+    assert_eq!(status(&large), 413);
+    let began = Instant::now();
+    let slow = console.raw(&format!(
+        "POST /api/operator HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Type: application/json\r\n\
+         Authorization: Bearer {}\r\nContent-Length: 100\r\n\r\n{{\"act\"",
+        console.address, console.token
+    ));
+    assert!(
+        status(&slow) == 408 && began.elapsed() < Duration::from_secs(10),
+        "{slow}"
+    );
+    let long = console.raw(&format!(
+        "GET /api/about HTTP/1.1\r\nHost: {}\r\nX-Long: {}\r\n\r\n",
+        console.address,
+        "x".repeat(1 << 20)
+    ));
+    assert!(long.is_empty() || matches!(status(&long), 400 | 431), "{long}");
+    // Half-open sockets take all room for some seconds, and then none.
+    let idle: Vec<TcpStream> = (0..1000)
+        .filter_map(|_| TcpStream::connect(console.address).ok())
+        .collect();
+    let began = Instant::now();
+    loop {
+        let mut stream = TcpStream::connect(console.address).unwrap();
+        let request = format!(
+            "GET /api/about HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n",
+            console.address
+        );
+        let mut answer = String::new();
+        if stream.write_all(request.as_bytes()).is_ok()
+            && stream.read_to_string(&mut answer).is_ok()
+            && answer.starts_with("HTTP/1.1 200")
+        {
+            break;
+        }
+        assert!(began.elapsed() < Duration::from_secs(30), "there is no room again");
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    drop(idle);
+}
+
+#[test]
+fn a_log_that_was_read_has_no_feed_and_nothing_to_hold() {
+    let origin = Origin { lat: 42.0, lon: -70.0 };
+    let about = About::new(Kind::Recorded, "isobath", 7, origin, "", "{}");
+    let hub = Hub::new(&about, Limits::RECORDED);
+    let listener = Listener::open("127.0.0.1:0".parse().unwrap()).unwrap();
+    let address = listener.address();
+    let service = Service {
+        hub: hub.clone(),
+        token: None,
+        live: false,
+    };
+    let asked = serve(listener, service).unwrap();
+    let feed = connect(format!("ws://{address}/api/feed?after=0"));
+    assert!(feed.is_err());
+    let mut stream = TcpStream::connect(address).unwrap();
+    let request = format!(
+        "POST /api/operator HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\nContent-Type: application/json\r\n\
+         Content-Length: {}\r\n\r\n{HOLD}",
+        HOLD.len()
+    );
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    assert_eq!(status(&answer), 409, "{answer}");
+    drop(asked);
+}
+
+#[test]
+fn the_console_is_for_this_computer_alone_and_says_when_its_port_is_taken() {
+    let error = Listener::open("0.0.0.0:8480".parse().unwrap()).unwrap_err().to_string();
+    assert!(
+        error.contains("on this computer alone") && error.contains("ssh -L"),
+        "{error}"
+    );
+    let first = Listener::open("127.0.0.1:0".parse().unwrap()).unwrap();
+    let error = Listener::open(first.address()).unwrap_err().to_string();
+    assert!(error.contains("give another port") && !error.contains('\n'), "{error}");
+}

@@ -25,7 +25,7 @@ const ASHORE: [&str; 11] = [
 pub(crate) fn sea(root: &Path, faults: &mut Vec<String>) -> Result<()> {
     let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args(["tree", "--locked", "--package", "backseat", "--edges", "normal"])
-        .args(["--no-default-features", "--features", "sea", "--prefix", "none"])
+        .args(["--no-default-features", "--features", "sea,console", "--prefix", "none"])
         .current_dir(root)
         .output()
         .context("cargo tree")?;
@@ -60,7 +60,7 @@ pub(crate) fn build() -> Result<()> {
         "backseat",
         "--no-default-features",
         "--features",
-        "backseat/sea",
+        "backseat/sea,backseat/console",
     ];
     let compiled = compile_with(&arguments)?;
     let program = root()?.join(program()?);

@@ -3,6 +3,7 @@
 
 mod clocks;
 mod connect;
+mod console;
 mod disk;
 mod dives;
 mod external;

@@ -23,7 +23,7 @@ case "$*" in
 "xtask test") ;;
 # The project's own plugins are built already.
 "xtask plugins") CARGO_TARGET_DIR="$REAL_TARGET" "$COMPONENTIZE" . target/plugins mine ;;
-"build --release --package backseat --no-default-features --features sea")
+"build --release --package backseat --no-default-features --features sea,console")
     mkdir -p target/release
     cp "$SEA_PROGRAM" target/release/backseat
     ;;

@@ -1,0 +1,126 @@
+//! The web console of a run, as a process: hold and release at a browser, and browsers that misbehave.
+
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use std::time::Duration;
+
+use backseat_suite::{Backseat, Behavior, Mission, Process, Scripted, eventually, settle};
+use serde_json::Value;
+
+use super::heard::{ended_after_s, worst_gap_s};
+use super::session::{SOON, runtime};
+
+/// Where the console of a process is.
+fn address(process: &Process) -> String {
+    let line = process.says("console: http://", SOON);
+    let rest = line.split("http://").nth(1).expect("the line has it");
+    rest.split(';').next().expect("a word").to_owned()
+}
+
+fn ask(address: &str, request: &str) -> String {
+    let mut stream = TcpStream::connect(address).expect("the console listens");
+    stream.set_read_timeout(Some(SOON)).expect("a socket");
+    stream.write_all(request.as_bytes()).expect("it reads");
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).expect("it answers");
+    answer
+}
+
+fn get(address: &str, path: &str) -> String {
+    let answer = ask(
+        address,
+        &format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"),
+    );
+    answer.split("\r\n\r\n").skip(1).collect()
+}
+
+fn act(address: &str, token: &str, act: &str) -> String {
+    let body = format!(r#"{{"act":"{act}","who":"Ann"}}"#);
+    ask(
+        address,
+        &format!(
+            "POST /api/operator HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\nContent-Type: application/json\r\n\
+             Authorization: Bearer {token}\r\nContent-Length: {}\r\n\r\n{body}",
+            body.len()
+        ),
+    )
+}
+
+#[test]
+fn sr_015_the_console_holds_and_releases_and_the_log_has_who() {
+    let mission = Mission::steady();
+    let vehicle = Scripted::start(Behavior::default());
+    let mut process = runtime(&mission, &vehicle.address, &["--arm", "--console=127.0.0.1:0"]);
+    let console = address(&process);
+    vehicle.hears("BPRMB", 3, SOON);
+    let token = std::fs::read_to_string(mission.beside("state/console.token")).expect("the token is beside the hold");
+    assert!(act(&console, "0123", "hold").starts_with("HTTP/1.1 401"));
+    let at_s = vehicle.now_s();
+    assert!(act(&console, token.trim(), "hold").starts_with("HTTP/1.1 202"));
+    let ended_s = ended_after_s(&vehicle, at_s, SOON);
+    assert!(ended_s < 1.0, "{ended_s} s from the hold to BPEMB");
+    assert!(mission.beside("state/hold").exists());
+    let held: Vec<Value> = eventually(
+        SOON,
+        || {
+            let history = get(&console, "/api/history");
+            let items: Vec<Value> = history.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+            items.iter().any(|item| item["kind"] == "operator").then_some(items)
+        },
+        || "the console does not show the hold".to_owned(),
+    );
+    assert!(held.iter().any(|item| item["text"] == "Ann at the console: hold"), "{held:?}");
+    let steered = |item: &Value| item["kind"] == "steering" && item["owner"] == "pilot";
+    assert!(held.iter().any(steered), "{held:?}");
+    let steered = vehicle.heard("BPRMB").len();
+    assert!(act(&console, token.trim(), "release").starts_with("HTTP/1.1 202"));
+    vehicle.hears("BPRMB", steered + 2, SOON);
+    vehicle.shut_down();
+    process.signal(backseat_suite::Signal::TERM);
+    process.wait(SOON);
+    let logs = std::fs::read_dir(mission.beside("logs")).expect("there is a log");
+    let log = logs.filter_map(Result::ok).next().expect("there is one").path();
+    let shown = Backseat::new().args(["log", "view", "--listen", "127.0.0.1:0"]).arg(&log).spawn();
+    let line = eventually(
+        SOON,
+        || shown.stdout().lines().next().map(str::to_owned),
+        || "log view says nothing".to_owned(),
+    );
+    let viewed = line.trim_start_matches("http://").split(' ').next().expect("a word").to_owned();
+    let history = get(&viewed, "/api/history");
+    assert!(history.contains("Ann at the console: hold") && history.contains(r#""kind":"end""#), "{history}");
+    assert!(act(&viewed, token.trim(), "hold").starts_with("HTTP/1.1 409"));
+}
+
+#[test]
+fn sr_022_browsers_that_take_nothing_cost_the_loop_nothing() {
+    let mission = Mission::steady();
+    let vehicle = Scripted::start(Behavior::default());
+    let process = runtime(&mission, &vehicle.address, &["--arm", "--console=127.0.0.1:0"]);
+    let console = address(&process);
+    vehicle.hears("BPRMB", 3, SOON);
+    let since_s = vehicle.now_s();
+    // Browsers that ask and never read, ask for the feed and never read it, and that say nothing at all.
+    let feed = format!(
+        "GET /api/feed?after=0 HTTP/1.1\r\nHost: {console}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+         Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    );
+    let history = format!("GET /api/history HTTP/1.1\r\nHost: {console}\r\n\r\n");
+    let mut browsers = Vec::new();
+    for place in 0..300 {
+        let Ok(mut stream) = TcpStream::connect(&console) else { continue };
+        match place % 3 {
+            0 => drop(stream.write_all(feed.as_bytes())),
+            1 => drop(stream.write_all(history.as_bytes())),
+            _ => {}
+        }
+        browsers.push(stream);
+    }
+    settle(Duration::from_secs(8));
+    let steered = vehicle.heard_since("BPRMB", since_s);
+    let gap_s = worst_gap_s(&steered);
+    assert!(steered.len() >= 6 && gap_s < 2.5, "{gap_s} s without a modify, {} of them", steered.len());
+    let memory = process.memory_kib();
+    assert!(memory < 400 << 10, "{memory} KiB");
+    drop(browsers);
+}

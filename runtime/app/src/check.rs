@@ -13,6 +13,7 @@ use clap::Args;
 use crate::arguments::MissionArguments;
 use crate::cache::host;
 use crate::clock::Clock;
+use crate::lock::sign;
 use crate::output::{kib, say};
 use crate::run::host_and_port;
 use crate::state::State;
@@ -47,6 +48,13 @@ pub(crate) struct Check {
     /// Where the dive will write its logs
     #[arg(long, value_name = "DIR", default_value = "logs")]
     pub(crate) log: PathBuf,
+    /// Sign the mission with this secret key if it is ready: writes mission.lock, for `run --locked`. A pair of keys is made
+    /// by `backseat key`
+    #[arg(long, value_name = "NAME.key")]
+    pub(crate) sign: Option<PathBuf>,
+    /// Who signs, for the lock and the log [default: the user's name]
+    #[arg(long, value_name = "WHO", requires = "sign")]
+    pub(crate) signer: Option<String>,
     /// Where the dive will keep identifiers and the operator's hold [default: the user's state folder]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
@@ -137,7 +145,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     for line in warnings.chain(missing::depths(&mission)) {
         say!("warning: {line}");
     }
-    if loaded.is_some_and(|loaded| !loaded.setups.is_empty()) {
+    if loaded.as_ref().is_some_and(|loaded| !loaded.setups.is_empty()) {
         say!(
             "plugins loaded in {:.3} s ({}); limits for one component: {} MiB, {} s to compile",
             clock.now().since(begun).as_secs_f64(),
@@ -183,6 +191,16 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     }
     good &= findings.is_empty();
     say!("{}", if good { "ready" } else { "not ready" });
+    if let Some(key) = &arguments.sign {
+        match &loaded {
+            Some(loaded) if good => {
+                let user = || std::env::var("USER").unwrap_or_else(|_| "somebody".to_owned());
+                let by = arguments.signer.clone().unwrap_or_else(user);
+                sign(&mission, &loaded.components, key, &by, clock.utc_at_start())?;
+            }
+            Some(_) | None => say!("not signed"),
+        }
+    }
     Ok(good)
 }
 

@@ -6,6 +6,7 @@ use crate::check::Check;
 use crate::explain::Explain;
 #[cfg(feature = "simulation")]
 use crate::fly::Fly;
+use crate::lock::Key;
 use crate::log::Log;
 #[cfg(feature = "simulation")]
 use crate::mvc::Mvc;
@@ -116,6 +117,8 @@ pub(crate) enum Command {
     /// Inspect, check, cut and convert recordings of the sonar payload (.s7k)
     #[command(subcommand)]
     S7k(S7k),
+    /// Make a pair of keys, with which `check --sign` signs a mission and `run --locked` checks the signature
+    Key(Key),
     /// Explain a key of a mission's files, such as turn_rate_dps
     Explain(Explain),
 }

@@ -22,6 +22,7 @@ mod fly;
 mod helm;
 mod keeper;
 mod link;
+mod lock;
 mod log;
 #[cfg(feature = "simulation")]
 mod map;
@@ -119,6 +120,7 @@ fn program() -> ExitCode {
         Command::Plugin(command) => plugin::plugin(command),
         Command::Spi(command) => spi::spi(command),
         Command::S7k(command) => s7k::s7k(command),
+        Command::Key(arguments) => lock::key(arguments),
         Command::Explain(arguments) => explain::explain(arguments),
     };
     ended(result.map(|met| if met { MET } else { UNMET }))

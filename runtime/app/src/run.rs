@@ -23,6 +23,7 @@ use crate::clock::Clock;
 use crate::external::Ports;
 use crate::helm::Helm;
 use crate::keeper::Keeper;
+use crate::lock::{is_as_signed, read_components};
 use crate::log::sources;
 use crate::operator::Signals;
 use crate::owner::explained;
@@ -42,6 +43,9 @@ pub(crate) struct Run {
     /// Steer the vehicle; without this, everything runs but no request that steers is sent
     #[arg(long)]
     pub(crate) arm: bool,
+    /// Start only if nothing has changed since somebody signed the mission with the secret key of this pair (`check --sign`)
+    #[arg(long, value_name = "NAME.pub")]
+    pub(crate) locked: Option<PathBuf>,
     /// Write logs into this folder
     #[arg(long, value_name = "DIR", default_value = "logs")]
     pub(crate) log: PathBuf,
@@ -84,10 +88,20 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         let _within = runtime.enter();
         Ports::open(&mission.file.externals)?
     };
+    let plugins = arguments.mission.plugins.as_deref();
+    if let Some(key) = &arguments.locked {
+        // Nothing of a component runs before this.
+        is_as_signed(&mission, &read_components(&mission, plugins)?, key)?;
+    }
     let host = host(&arguments.mission)?;
     // The cache is read and written before the loop begins, and a disk that hangs is waited for only briefly: a runtime
     // that starts again in the middle of a dive steers again sooner.
-    let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
+    let loaded = load_plugins(&host, &mission, plugins)?;
+    // Once more, of the bytes that were loaded.
+    let signed = match &arguments.locked {
+        Some(key) => Some(is_as_signed(&mission, &loaded.components, key)?),
+        None => None,
+    };
     let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
     let identifiers = state.identifiers(arguments.first_identifier)?;
@@ -131,6 +145,11 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         info!("not armed: nothing that steers will be sent; to arm, use --arm");
     }
     recorder.record(Timestamp::ZERO, |recorder| recorder.start(&start));
+    if let Some(signed) = signed {
+        info!("locked: {signed}");
+        let text = format!("locked: {signed}");
+        recorder.record(Timestamp::ZERO, |recorder| recorder.asked(Timestamp::ZERO, &text));
+    }
     let dive = Dive {
         mission: &mission,
         start,

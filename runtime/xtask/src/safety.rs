@@ -5,6 +5,8 @@ use anyhow::{Context, Result};
 
 /// The document with the requirements.
 const DOCUMENT: &str = "runtime/docs/safety.md";
+/// The document that says whom the runtime trusts, with tests.
+const TRUST: &str = "runtime/docs/trust.md";
 /// The number of requirements.
 const REQUIREMENTS: u32 = 25;
 
@@ -35,6 +37,13 @@ pub(crate) fn safety(root: &Path, sources: &[PathBuf], faults: &mut Vec<String>)
         std::fs::read_to_string(root.join(file)).is_ok_and(|text| citations(&text).contains(number))
     };
     faults.extend(judge(&requirements, &all, cites));
+    let trust = std::fs::read_to_string(root.join(TRUST)).with_context(|| TRUST.to_owned())?;
+    let named = trust
+        .lines()
+        .filter_map(|line| line.strip_prefix("- `")?.strip_suffix('`'));
+    for test in named.filter(|test| !all.contains_key(*test)) {
+        faults.push(format!("{TRUST}: names the test {test}, which does not exist"));
+    }
     Ok(())
 }
 

@@ -7,6 +7,7 @@ mod explain;
 mod faults;
 mod fence;
 mod help;
+mod lock;
 mod log_export;
 mod log_judge;
 mod older_plugin;

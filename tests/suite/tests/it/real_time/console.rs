@@ -64,12 +64,18 @@ fn sr_015_the_console_holds_and_releases_and_the_log_has_who() {
         SOON,
         || {
             let history = get(&console, "/api/history");
-            let items: Vec<Value> = history.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+            let items: Vec<Value> = history
+                .lines()
+                .filter_map(|line| serde_json::from_str(line).ok())
+                .collect();
             items.iter().any(|item| item["kind"] == "operator").then_some(items)
         },
         || "the console does not show the hold".to_owned(),
     );
-    assert!(held.iter().any(|item| item["text"] == "Ann at the console: hold"), "{held:?}");
+    assert!(
+        held.iter().any(|item| item["text"] == "Ann at the console: hold"),
+        "{held:?}"
+    );
     let steered = |item: &Value| item["kind"] == "steering" && item["owner"] == "pilot";
     assert!(held.iter().any(steered), "{held:?}");
     let steered = vehicle.heard("BPRMB").len();
@@ -80,15 +86,26 @@ fn sr_015_the_console_holds_and_releases_and_the_log_has_who() {
     process.wait(SOON);
     let logs = std::fs::read_dir(mission.beside("logs")).expect("there is a log");
     let log = logs.filter_map(Result::ok).next().expect("there is one").path();
-    let shown = Backseat::new().args(["log", "view", "--listen", "127.0.0.1:0"]).arg(&log).spawn();
+    let shown = Backseat::new()
+        .args(["log", "view", "--listen", "127.0.0.1:0"])
+        .arg(&log)
+        .spawn();
     let line = eventually(
         SOON,
         || shown.stdout().lines().next().map(str::to_owned),
         || "log view says nothing".to_owned(),
     );
-    let viewed = line.trim_start_matches("http://").split(' ').next().expect("a word").to_owned();
+    let viewed = line
+        .trim_start_matches("http://")
+        .split(' ')
+        .next()
+        .expect("a word")
+        .to_owned();
     let history = get(&viewed, "/api/history");
-    assert!(history.contains("Ann at the console: hold") && history.contains(r#""kind":"end""#), "{history}");
+    assert!(
+        history.contains("Ann at the console: hold") && history.contains(r#""kind":"end""#),
+        "{history}"
+    );
     assert!(act(&viewed, token.trim(), "hold").starts_with("HTTP/1.1 409"));
 }
 
@@ -108,7 +125,9 @@ fn sr_022_browsers_that_take_nothing_cost_the_loop_nothing() {
     let history = format!("GET /api/history HTTP/1.1\r\nHost: {console}\r\n\r\n");
     let mut browsers = Vec::new();
     for place in 0..300 {
-        let Ok(mut stream) = TcpStream::connect(&console) else { continue };
+        let Ok(mut stream) = TcpStream::connect(&console) else {
+            continue;
+        };
         match place % 3 {
             0 => drop(stream.write_all(feed.as_bytes())),
             1 => drop(stream.write_all(history.as_bytes())),
@@ -119,7 +138,11 @@ fn sr_022_browsers_that_take_nothing_cost_the_loop_nothing() {
     settle(Duration::from_secs(8));
     let steered = vehicle.heard_since("BPRMB", since_s);
     let gap_s = worst_gap_s(&steered);
-    assert!(steered.len() >= 6 && gap_s < 2.5, "{gap_s} s without a modify, {} of them", steered.len());
+    assert!(
+        steered.len() >= 6 && gap_s < 2.5,
+        "{gap_s} s without a modify, {} of them",
+        steered.len()
+    );
     let memory = process.memory_kib();
     assert!(memory < 400 << 10, "{memory} KiB");
     drop(browsers);

@@ -1,0 +1,94 @@
+//! Signs a mission that was checked, and compares one that is going to run with what was signed.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use backseat_fence::Rfc3339;
+use backseat_lock::{Contents, LOCK, Parts, PublicKey, SecretKey, create_keys, open, seal};
+use backseat_mission::Mission;
+use backseat_units::Utc;
+use clap::Args;
+
+use crate::output::say;
+
+#[derive(Debug, Args)]
+pub(crate) struct Key {
+    /// The pair's name: NAME.key, which is yours alone, and NAME.pub, which goes to the vehicle
+    #[arg(value_name = "NAME")]
+    name: PathBuf,
+}
+
+pub(crate) fn key(arguments: &Key) -> Result<bool> {
+    let (secret, public) = create_keys(&arguments.name)?;
+    say!(
+        "{}: sign with it, and give it to nobody: check --sign {}",
+        secret.display(),
+        secret.display()
+    );
+    say!(
+        "{}: goes to the vehicle: run --locked {}",
+        public.display(),
+        public.display()
+    );
+    Ok(true)
+}
+
+/// What of a mission is signed, as it was loaded.
+fn contents(mission: &Mission, components: &[(String, Vec<u8>)], by: &str, at: &str) -> Result<Contents> {
+    let read = |path: &Path| std::fs::read(path).with_context(|| path.display().to_string());
+    let program = std::env::current_exe().context("the program's own file")?;
+    let parts = Parts {
+        name: &mission.name,
+        file: &read(&mission.folder.join("mission.toml"))?,
+        mission: &mission.resolved,
+        fence: mission
+            .other_fence()
+            .map_or(mission.fence_text.as_str(), |(_, text)| text)
+            .as_bytes(),
+        plan: mission.plan.as_ref().map(|plan| plan.text.as_str()),
+        components,
+        program: &read(&program)?,
+    };
+    Ok(Contents::of(&parts, by, at))
+}
+
+/// Signs a mission, and writes its lock.
+pub(crate) fn sign(mission: &Mission, components: &[(String, Vec<u8>)], key: &Path, by: &str, now: Utc) -> Result<()> {
+    let key = SecretKey::read(key)?;
+    let lock = seal(&contents(mission, components, by, &Rfc3339(now).to_string())?, &key);
+    let path = mission.folder.join(LOCK);
+    std::fs::write(&path, lock).with_context(|| path.display().to_string())?;
+    say!("signed: {}", path.display());
+    Ok(())
+}
+
+/// Reads the components of a mission, before anything of them runs.
+pub(crate) fn read_components(mission: &Mission, folder: Option<&Path>) -> Result<Vec<(String, Vec<u8>)>> {
+    let paths = mission.components(folder)?;
+    let plugins = mission.file.plugins.iter().zip(paths);
+    plugins
+        .map(|(plugin, path)| {
+            let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
+            Ok((plugin.name.clone(), bytes))
+        })
+        .collect()
+}
+
+/// Compares a mission that is going to run with its lock. Returns who signed it, and when.
+///
+/// # Errors
+///
+/// If somebody else signed it, or if something differs from what was signed.
+pub(crate) fn is_as_signed(mission: &Mission, components: &[(String, Vec<u8>)], key: &Path) -> Result<String> {
+    let path = mission.folder.join(LOCK);
+    let signed = open(&path, &PublicKey::read(key)?)?;
+    let loaded = contents(mission, components, "", "")?;
+    if let Some(difference) = signed.difference(&loaded) {
+        bail!(
+            "{}: {difference}: restore what {} signed, or check and sign anew",
+            path.display(),
+            signed.signed_by
+        );
+    }
+    Ok(format!("signed by {}, {}", signed.signed_by, signed.signed_at))
+}

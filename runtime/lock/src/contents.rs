@@ -1,0 +1,200 @@
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+
+/// The version of locks.
+const FORMAT: u32 = 1;
+
+/// What decides what a vehicle may be asked for, as it was loaded.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<'a> {
+    /// The mission's name.
+    pub name: &'a str,
+    /// `mission.toml` as it is written.
+    pub file: &'a [u8],
+    /// `mission.toml` with everything that was set over it.
+    pub mission: &'a str,
+    /// The fence's file as it is written.
+    pub fence: &'a [u8],
+    /// The plan that the mission names.
+    pub plan: Option<&'a str>,
+    /// The plugins' names and components.
+    pub components: &'a [(String, Vec<u8>)],
+    /// The program.
+    pub program: &'a [u8],
+}
+
+/// The hashes of a mission's parts. All are SHA-256, hexadecimal.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Contents {
+    format: u32,
+    /// The mission's name.
+    pub mission: String,
+    /// Who signed, in words of their own.
+    pub signed_by: String,
+    /// When, UTC.
+    pub signed_at: String,
+    /// `mission.toml` as it is written.
+    file_sha256: String,
+    /// `mission.toml` with everything that was set over it, but for its limits.
+    mission_sha256: String,
+    limits_sha256: String,
+    fence_sha256: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    plan_sha256: Option<String>,
+    program_sha256: String,
+    /// By plugin.
+    components: BTreeMap<String, String>,
+}
+
+impl Contents {
+    /// The hashes of these parts.
+    #[must_use]
+    pub fn of(parts: &Parts<'_>, signed_by: &str, signed_at: &str) -> Self {
+        let (rest, limits) = split(parts.mission);
+        Self {
+            format: FORMAT,
+            mission: parts.name.to_owned(),
+            signed_by: signed_by.to_owned(),
+            signed_at: signed_at.to_owned(),
+            file_sha256: hash(parts.file),
+            mission_sha256: hash(rest.as_bytes()),
+            limits_sha256: hash(limits.as_bytes()),
+            fence_sha256: hash(parts.fence),
+            plan_sha256: parts.plan.map(|plan| hash(plan.as_bytes())),
+            program_sha256: hash(parts.program),
+            components: parts
+                .components
+                .iter()
+                .map(|(name, bytes)| (name.clone(), hash(bytes)))
+                .collect(),
+        }
+    }
+
+    /// Whether this version of the program reads the lock.
+    pub(crate) const fn is_known(&self) -> bool {
+        self.format == FORMAT
+    }
+
+    /// What differs from the parts that were signed, in words; `None` if nothing does. Who signed, and when, does not count.
+    #[must_use]
+    pub fn difference(&self, loaded: &Self) -> Option<String> {
+        if self.mission != loaded.mission {
+            return Some(format!(
+                "it is of the mission {}, and this is {}",
+                self.mission, loaded.mission
+            ));
+        }
+        for (what, signed, loaded) in [
+            ("the limits", &self.limits_sha256, &loaded.limits_sha256),
+            ("the fence", &self.fence_sha256, &loaded.fence_sha256),
+        ] {
+            if signed != loaded {
+                return Some(format!("{what} differ{}", if what.ends_with('s') { "" } else { "s" }));
+            }
+        }
+        if self.plan_sha256 != loaded.plan_sha256 {
+            return Some("the plan differs".to_owned());
+        }
+        let names = self.components.keys().chain(loaded.components.keys());
+        let other = |name: &&String| self.components.get(*name) != loaded.components.get(*name);
+        if let Some(name) = names.into_iter().find(other) {
+            return Some(format!("the component of plugin {name} differs"));
+        }
+        if self.file_sha256 != loaded.file_sha256 {
+            return Some("mission.toml differs".to_owned());
+        }
+        if self.mission_sha256 != loaded.mission_sha256 {
+            return Some("a setting of --set or of a BACKSEAT__ variable differs".to_owned());
+        }
+        if self.program_sha256 != loaded.program_sha256 {
+            return Some("the program differs from the one that signed".to_owned());
+        }
+        None
+    }
+}
+
+/// A mission without its limits, and its limits, so that a difference has a name.
+fn split(mission: &str) -> (String, String) {
+    let Ok(mut table) = mission.parse::<toml::Table>() else {
+        return (mission.to_owned(), String::new());
+    };
+    let limits = table
+        .remove("limits")
+        .map(|limits| limits.to_string())
+        .unwrap_or_default();
+    (table.to_string(), limits)
+}
+
+fn hash(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_part_that_differs_has_its_name() {
+        let components = [("isobath".to_owned(), vec![1, 2, 3])];
+        let parts = Parts {
+            name: "m",
+            file: b"file",
+            mission: "[vehicle]\nname = \"v\"\n[limits]\nspeed_max_mps = 2.0\n",
+            fence: b"{}",
+            plan: Some("plan"),
+            components: &components,
+            program: b"program",
+        };
+        let signed = Contents::of(&parts, "Ann", "then");
+        let difference = |parts: Parts<'_>| signed.difference(&Contents::of(&parts, "Bob", "now"));
+        assert_eq!(difference(parts), None);
+        let others = [("isobath".to_owned(), vec![1, 2, 4])];
+        for (parts, words) in [
+            (Parts { name: "n", ..parts }, "it is of the mission m"),
+            (
+                Parts {
+                    mission: "[vehicle]\nname = \"w\"\n[limits]\nspeed_max_mps = 2.0\n",
+                    ..parts
+                },
+                "a setting of --set",
+            ),
+            (Parts { file: b"fil", ..parts }, "mission.toml differs"),
+            (
+                Parts {
+                    mission: "[vehicle]\nname = \"v\"\n[limits]\nspeed_max_mps = 2.1\n",
+                    ..parts
+                },
+                "the limits differ",
+            ),
+            (Parts { fence: b"{ }", ..parts }, "the fence differs"),
+            (Parts { plan: None, ..parts }, "the plan differs"),
+            (
+                Parts {
+                    components: &others,
+                    ..parts
+                },
+                "the component of plugin isobath differs",
+            ),
+            (
+                Parts {
+                    components: &[],
+                    ..parts
+                },
+                "the component of plugin isobath differs",
+            ),
+            (
+                Parts {
+                    program: b"another",
+                    ..parts
+                },
+                "the program differs",
+            ),
+        ] {
+            let found = difference(parts).unwrap();
+            assert!(found.starts_with(words), "{found} is not {words}");
+        }
+    }
+}

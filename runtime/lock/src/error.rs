@@ -1,0 +1,63 @@
+use std::io;
+use std::path::PathBuf;
+
+/// Why a lock or a key cannot be used, in one line.
+#[derive(Debug, thiserror::Error)]
+pub enum LockError {
+    /// A file cannot be read or written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// Its path.
+        path: PathBuf,
+        /// The reason.
+        source: io::Error,
+    },
+    /// A file is there, and would be lost.
+    #[error("{}: is there already: give another name, or remove it", path.display())]
+    Exists {
+        /// Its path.
+        path: PathBuf,
+    },
+    /// A file is no key.
+    #[error("{}: is no {expected} key: make a pair with `backseat key NAME`", path.display())]
+    Key {
+        /// Its path.
+        path: PathBuf,
+        /// `secret` or `public`.
+        expected: &'static str,
+    },
+    /// Others can read a secret key.
+    #[error("{}: others can read this secret key: chmod 600, and make a new one if somebody may have read it", path.display())]
+    Permissions {
+        /// Its path.
+        path: PathBuf,
+    },
+    /// The system has no random numbers.
+    #[error("no random numbers for a key: {0}")]
+    Random(String),
+    /// A file is no lock.
+    #[error("{}: is no lock, or is damaged: {message}", path.display())]
+    Lock {
+        /// Its path.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+    /// Somebody else has signed a lock, or it was changed since.
+    #[error("{}: not signed with the key of {}, or changed since: check the mission, and sign it again", path.display(), key.display())]
+    Signature {
+        /// The lock.
+        path: PathBuf,
+        /// The public key's file.
+        key: PathBuf,
+    },
+}
+
+impl LockError {
+    pub(crate) fn file(path: &std::path::Path, source: io::Error) -> Self {
+        Self::File {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! A mission that was signed, and runs only as it was signed.
+
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use backseat_suite::{Backseat, Finished, Mission, Process};
+
+const SOON: Duration = Duration::from_secs(45);
+
+/// A mission with a component and a plan of its own, so that each of its files can be changed.
+fn mission() -> Mission {
+    let mission = Mission::copy("template");
+    let component = backseat_test_support::plugins().join("template.wasm");
+    fs::copy(component, mission.path().join("pilot.wasm")).expect("there is room");
+    let mission = mission.edit(
+        "mission.toml",
+        "component = \"template\"",
+        "component = \"./pilot.wasm\"",
+    );
+    let plan = mission.read("world.toml");
+    let origin = plan
+        .split("[origin]")
+        .nth(1)
+        .and_then(|rest| rest.split("\n[").next())
+        .expect("it has an origin");
+    let elements: String = plan
+        .split("\n[[plan]]")
+        .skip(1)
+        .map(|rest| {
+            let element = rest.split("\n[").next().unwrap_or_default();
+            format!("\n[[plan]]{element}\n")
+        })
+        .collect();
+    let plan = format!("[origin]{origin}\n{elements}");
+    mission
+        .write("plan.toml", plan)
+        .append("mission.toml", "[plan]\nfile = \"plan.toml\"\n")
+}
+
+fn key(mission: &Mission, name: &str) {
+    let output = Backseat::new().arg("key").arg(mission.beside(name)).run().exit(0);
+    assert!(output.stdout.contains("give it to nobody"), "{output}");
+}
+
+fn sign(mission: &Mission, name: &str) -> Finished {
+    Backseat::new()
+        .args(["check", "--signer", "Ann", "--sign"])
+        .arg(mission.beside(name))
+        .arg("--log")
+        .arg(mission.beside("logs"))
+        .arg("--state")
+        .arg(mission.beside("state"))
+        .mission(mission)
+        .run()
+}
+
+fn locked(mission: &Mission, key: &str) -> Backseat {
+    Backseat::new()
+        .args(["run", "--connect", "127.0.0.1:9", "--locked"])
+        .arg(mission.beside(key))
+        .arg("--log")
+        .arg(mission.beside("logs"))
+        .arg("--state")
+        .arg(mission.beside("state"))
+        .mission(mission)
+}
+
+fn change_a_byte(file: &Path) -> Vec<u8> {
+    let before = fs::read(file).expect("it is there");
+    let mut after = before.clone();
+    // A byte of the last line, which in a text is a blank or a letter of a comment.
+    let place = after.len() - 4;
+    after[place] ^= 1;
+    fs::write(file, after).expect("there is room");
+    before
+}
+
+#[test]
+fn a_locked_mission_runs_only_as_it_was_signed() {
+    let mission = mission().append("mission.toml", "# end\n");
+    key(&mission, "ann");
+    key(&mission, "bob");
+    let signed = sign(&mission, "ann.key").exit(0);
+    assert!(signed.stdout.contains("mission.lock"), "{signed}");
+    let process: Process = locked(&mission, "ann.pub").spawn();
+    process.says("locked: signed by Ann, 20", SOON);
+    drop(process);
+
+    let refused = |command: Backseat, expected: &str| {
+        let error = command.run().refusal();
+        assert!(error.contains(expected), "{expected}: {error}");
+    };
+    for (file, expected) in [
+        ("mission.toml", "mission.toml differs"),
+        ("fence.geojson", ""),
+        ("plan.toml", ""),
+        ("pilot.wasm", ""),
+        ("mission.lock", ""),
+    ] {
+        let path = mission.path().join(file);
+        let before = change_a_byte(&path);
+        // A byte that makes a file unreadable is refused before it is compared.
+        refused(locked(&mission, "ann.pub"), expected);
+        fs::write(&path, before).expect("there is room");
+    }
+    for (file, from, to, expected) in [
+        (
+            "mission.toml",
+            "speed_max_mps = 2.0",
+            "speed_max_mps = 2.1",
+            "the limits differ",
+        ),
+        (
+            "fence.geojson",
+            "\"margin_m\": ",
+            "\"margin_m\": 1",
+            "the fence differs",
+        ),
+        ("plan.toml", "speed_mps = 1.5", "speed_mps = 1.4", "the plan differs"),
+    ] {
+        let path = mission.path().join(file);
+        let before = fs::read_to_string(&path).expect("it is there");
+        let after = before.replacen(from, to, 1);
+        assert_ne!(before, after, "{file} has no {from}");
+        fs::write(&path, after).expect("there is room");
+        refused(locked(&mission, "ann.pub"), expected);
+        fs::write(&path, before).expect("there is room");
+    }
+    let path = mission.path().join("pilot.wasm");
+    let before = fs::read(&path).expect("it is there");
+    fs::copy(backseat_test_support::plugins().join("echo.wasm"), &path).expect("there is room");
+    refused(locked(&mission, "ann.pub"), "plugin template");
+    fs::write(&path, before).expect("there is room");
+    refused(
+        locked(&mission, "ann.pub").args(["--set", "vehicle.name=another"]),
+        "a setting of --set",
+    );
+    refused(locked(&mission, "bob.pub"), "not signed with the key of");
+    refused(locked(&mission, "ann.key"), "is no public key");
+    let process = locked(&mission, "ann.pub").spawn();
+    process.says("locked: signed by Ann", SOON);
+}
+
+#[test]
+fn a_mission_that_is_not_ready_is_not_signed() {
+    let mission = mission().edit("mission.toml", "grants = [\"modify\", \"message\"]", "grants = []");
+    key(&mission, "ann");
+    let output = sign(&mission, "ann.key").exit(1);
+    assert!(output.stdout.contains("not signed"), "{output}");
+    assert!(!mission.path().join("mission.lock").exists());
+    let error = locked(&mission, "ann.pub").run().refusal();
+    assert!(error.contains("mission.lock: No such file"), "{error}");
+}

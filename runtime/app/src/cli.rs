@@ -6,6 +6,7 @@ use crate::check::Check;
 use crate::explain::Explain;
 #[cfg(feature = "simulation")]
 use crate::fly::Fly;
+use crate::generate::Generate;
 use crate::lock::Key;
 use crate::log::Log;
 #[cfg(feature = "simulation")]
@@ -121,4 +122,7 @@ pub(crate) enum Command {
     Key(Key),
     /// Explain a key of a mission's files, such as turn_rate_dps
     Explain(Explain),
+    /// Write man pages and completions of shells, for packages
+    #[command(hide = true)]
+    Generate(Generate),
 }

@@ -19,6 +19,7 @@ mod explain;
 mod external;
 #[cfg(feature = "simulation")]
 mod fly;
+mod generate;
 mod helm;
 mod keeper;
 mod link;
@@ -122,6 +123,7 @@ fn program() -> ExitCode {
         Command::S7k(command) => s7k::s7k(command),
         Command::Key(arguments) => lock::key(arguments),
         Command::Explain(arguments) => explain::explain(arguments),
+        Command::Generate(arguments) => generate::generate(arguments),
     };
     ended(result.map(|met| if met { MET } else { UNMET }))
 }

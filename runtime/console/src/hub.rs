@@ -9,6 +9,7 @@ use crate::about::{About, Kind};
 use crate::feed::{Feed, Heard};
 use crate::history::{History, Limits, Numbered};
 use crate::item::Item;
+use crate::metrics::Metrics;
 use crate::teller::Teller;
 
 /// What the browsers are shown: what happened, numbered and within bounds.
@@ -21,6 +22,7 @@ struct Shared {
     /// The time of the newest item, seconds of the run, and when it came.
     newest: Mutex<Option<(f64, Instant)>>,
     history: Mutex<History>,
+    metrics: Metrics,
     /// The number of the next item, for those who wait.
     news: watch::Sender<u64>,
 }
@@ -58,6 +60,7 @@ impl Hub {
             },
             newest: Mutex::new(None),
             history: Mutex::new(History::new(limits)),
+            metrics: Metrics::new(about),
             news: watch::Sender::new(1),
         }))
     }
@@ -99,6 +102,7 @@ impl Hub {
 
     /// Adds what happened at `t` seconds. What is not kept reaches only browsers that listen now.
     pub fn add(&self, t: f64, item: &Item, keep: bool) {
+        self.0.metrics.observe(t, item);
         let next = {
             let mut history = self.lock();
             let written = Written {
@@ -133,6 +137,10 @@ impl Hub {
             .filter(|_| about.kind == Kind::Live)
             .map(|(t, came)| t + now().duration_since(came).as_secs_f64());
         serde_json::to_string(&Now { about, now }).unwrap_or_default()
+    }
+
+    pub(crate) fn metrics(&self) -> String {
+        self.0.metrics.text()
     }
 
     pub(crate) fn history(&self) -> Vec<Numbered> {

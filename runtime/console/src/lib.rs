@@ -12,6 +12,7 @@ mod feed;
 mod history;
 mod hub;
 mod item;
+mod metrics;
 mod operator;
 mod server;
 mod teller;

@@ -150,6 +150,7 @@ fn router(shared: Arc<Shared>) -> Router {
         .route("/api/history", get(api::history))
         .route("/api/feed", any(socket::feed))
         .route("/api/operator", post(api::operator))
+        .route("/metrics", get(api::metrics))
         .fallback(get(assets::file))
         .layer(DefaultBodyLimit::max(BODY_MAX))
         .layer(from_fn_with_state(Arc::clone(&shared), guard::guard))

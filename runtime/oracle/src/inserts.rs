@@ -21,6 +21,8 @@ pub(crate) struct Inserts {
     /// The requests for plans that have not been reported to their ends: the time in the BPRMP, and when it left;
     /// oldest first.
     plans_asked: Vec<(TimeOfDay, Moment)>,
+    /// The vehicle has named an insert of a previous process that waits.
+    named: bool,
     /// The first element of the plan that is being reported, and its place in the plan.
     plan_begins: Option<(PlanPlace, u32)>,
     /// The first identifier that no previous run can have given without our knowledge.
@@ -221,6 +223,11 @@ impl Inserts {
         }
     }
 
+    /// Whether the vehicle has named a waiting insert of a previous process since this was asked last.
+    pub(crate) fn take_named(&mut self) -> bool {
+        std::mem::take(&mut self.named)
+    }
+
     /// An insert that was accepted before `by`, has not begun, can be cancelled, and was not.
     pub(crate) fn not_taken_back(&self, by: Moment) -> Option<u32> {
         if self.open.queued == 0 {
@@ -244,7 +251,14 @@ impl Inserts {
                 .find(|insert| insert.created.is_some_and(|created| echo.echoes(created))),
         };
         let Some(insert) = entry else { return };
-        insert.foreign = false;
+        // A process that follows another knows of an insert since the vehicle has named it.
+        if std::mem::take(&mut insert.foreign)
+            && taken
+            && let State::Accepted(since) = &mut insert.state
+        {
+            *since = at;
+            self.named = true;
+        }
         if !matches!(insert.state, State::Sent | State::Unknown | State::Absent) {
             return;
         }

@@ -20,6 +20,8 @@ pub(crate) struct Operator {
     /// When the cancels must have been sent, and the time before which the vehicle had accepted the inserts that they
     /// cancel.
     cancels: Option<(Moment, Moment)>,
+    /// The same of inserts that the vehicle has named to a new process during the hold.
+    named: Option<(Moment, Moment)>,
 }
 
 impl Operator {
@@ -35,14 +37,22 @@ impl Operator {
         true
     }
 
+    /// The vehicle names a waiting insert of a previous process. During a hold it must be cancelled.
+    pub(crate) fn named(&mut self, at: Moment) {
+        if self.held.is_some() {
+            self.named = Some((at + CANCELS_WITHIN, at));
+        }
+    }
+
     pub(crate) fn releases(&mut self) {
         self.held = None;
-        self.cancels = None;
+        self.cut();
     }
 
     /// Nothing can be sent any more.
     pub(crate) fn cut(&mut self) {
         self.cancels = None;
+        self.named = None;
     }
 
     /// When every dynamic request must have ended.
@@ -56,6 +66,8 @@ impl Operator {
 
     /// Returns once, when all cancels must have been sent, the time before which their inserts had been accepted.
     pub(crate) fn cancels_due(&mut self, now: Moment) -> Option<Moment> {
-        self.cancels.take_if(|(due, _)| now > *due).map(|(_, by)| by)
+        let due = |(due, _): &mut (Moment, Moment)| now > *due;
+        let taken = [self.cancels.take_if(due), self.named.take_if(due)];
+        taken.into_iter().flatten().map(|(_, by)| by).max()
     }
 }

@@ -12,6 +12,7 @@ mod exports;
 mod hunt;
 mod mutants;
 mod mutations;
+mod package;
 mod plugins;
 mod python;
 mod reference;
@@ -69,6 +70,8 @@ enum Task {
     Exports,
     /// Test the page of the web console in Chromium, with Node 20 and playwright-core (from npm), and take pictures of it
     Console,
+    /// Build a Debian package of the program for sea, with cargo-deb (from crates.io), its unit, man pages and completions
+    Package,
     /// Test the SDK for plugins in Python and fly its plugins, with componentize-py (from PyPI); builds the components of
     /// the plugins in Python into target/plugins. Then build the package `backseat` for studies into target/wheels, with
     /// Maturin (from PyPI), and run its tests and its notebook
@@ -94,6 +97,7 @@ fn main() -> ExitCode {
         Task::Digest(arguments) => digest::digest(&arguments),
         Task::Exports => exports::exports(),
         Task::Console => console::console(),
+        Task::Package => package::package(),
         Task::Python => python::python(),
         Task::Reference => reference::reference(),
         Task::Tidy => tidy::tidy(),

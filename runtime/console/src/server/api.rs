@@ -40,6 +40,12 @@ pub(super) async fn about(State(shared): State<Arc<Shared>>) -> Response {
     ([(CONTENT_TYPE, "application/json")], shared.hub.about()).into_response()
 }
 
+/// Figures for Prometheus.
+pub(super) async fn metrics(State(shared): State<Arc<Shared>>) -> Response {
+    let kind = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+    ([(CONTENT_TYPE, kind)], shared.hub.metrics()).into_response()
+}
+
 /// Everything that is kept, an item a line, in pieces, so that a browser shows the first while the last are on their way.
 pub(super) async fn history(State(shared): State<Arc<Shared>>) -> Response {
     let items = shared.hub.history();

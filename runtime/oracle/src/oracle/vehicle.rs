@@ -77,6 +77,9 @@ impl Oracle {
                 self.plan.told(own.then(|| self.area.point(element.position)));
                 self.inserts
                     .element(at, (element.number, element.identifier), element.index);
+                if self.inserts.take_named() {
+                    self.operator.named(at);
+                }
             }
             Said::Answer(answer) => self.answered(at, answer),
         }

@@ -75,6 +75,31 @@ fn requirement_015_a_hold_survives_a_restart() {
 }
 
 #[test]
+fn requirement_015_a_new_process_cancels_an_insert_once_the_vehicle_has_named_it() {
+    let held = || {
+        Scenario::with_control()
+            .ours(2000, TRACKLINE)
+            .vehicle(2100, "BFACK,{t},RTK,000000.000,7,2,0,text")
+            .stopped(2300)
+            .link(2300, false)
+            .started(3000)
+            .reconnects(3000, 3100)
+            .operator(3500, true)
+    };
+    let named = |ms| held().vehicle(ms, "BFPLN,{t},,7,0,0,4200.300,N,07000.900,W,,,");
+    // It cannot know of it before, however long the hold lasts.
+    held().finds_nothing();
+    // Named more than a second after the hold, and cancelled at once: the hunt found this, seed 7067143.
+    named(4502).ours(4502, "BPRCN,{t},7").finds_nothing();
+    named(4600).ours(4600, "BPRCN,{t},7").finds_nothing();
+    named(4600).ours(5500, "BPRCN,{t},7").finds_nothing();
+    named(4600).finds(&["hold-cancel-missing"]);
+    named(4600).operator(5000, false).finds_nothing();
+    named(3300).ours(3550, "BPRCN,{t},7").finds_nothing();
+    named(3300).finds(&["hold-cancel-missing"]);
+}
+
+#[test]
 fn requirement_015_a_hold_cancels_the_waiting_inserts() {
     let waits = |body: &str| {
         Scenario::with_control()

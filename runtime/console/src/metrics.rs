@@ -1,0 +1,272 @@
+//! Figures for Prometheus, in the names that its conventions ask for: base units, and a counter ends in `_total`.
+
+use std::sync::Mutex;
+use std::sync::PoisonError;
+use std::sync::atomic::AtomicU64;
+
+use prometheus_client::encoding::text::encode;
+use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::family::Family;
+use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::metrics::info::Info;
+use prometheus_client::registry::Registry;
+
+use crate::about::About;
+use crate::item::{Counts, Item};
+
+type Labels = Vec<(&'static str, String)>;
+type Number = Gauge<f64, AtomicU64>;
+
+/// What the scrapes of Prometheus see of a run.
+pub(crate) struct Metrics {
+    registry: Registry,
+    control: Number,
+    steered: Family<Labels, Number>,
+    held: Number,
+    requests: Family<Labels, Counter>,
+    counted: Mutex<std::collections::BTreeMap<String, Counts>>,
+    failures: Family<Labels, Number>,
+    steps: Family<Labels, Number>,
+    fuel: Family<Labels, Number>,
+    measures: Family<Labels, Number>,
+    position: Family<Labels, Number>,
+    depth: Number,
+    altitude: Number,
+    speed: Number,
+    heading: Number,
+    integrity: Number,
+    round_trip: Number,
+    gap: Number,
+    ages: Family<Labels, Number>,
+}
+
+impl std::fmt::Debug for Metrics {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Metrics")
+    }
+}
+
+impl Metrics {
+    pub(crate) fn new(about: &About) -> Self {
+        let mut registry = Registry::with_prefix("backseat");
+        let info = Info::new(vec![
+            ("mission", about.mission.clone()),
+            ("version", about.version.clone()),
+        ]);
+        registry.register("run", "What runs", info);
+        let armed = Number::default();
+        armed.set(f64::from(u8::from(about.armed == Some(true))));
+        registry.register("armed", "Whether the runtime may steer", armed);
+        let mut number = |name: &str, help: &str| {
+            let gauge = Number::default();
+            registry.register(name, help, gauge.clone());
+            gauge
+        };
+        let control = number("control", "Whether the runtime has control of the vehicle");
+        let held = number("operator_hold", "Whether the operator holds");
+        let depth = number("depth_meters", "Depth of the vehicle");
+        let altitude = number("altitude_meters", "Altitude of the vehicle above the seabed");
+        let speed = number("speed_meters_per_second", "Speed of the vehicle over ground");
+        let heading = number("heading_degrees", "Heading of the vehicle from true north");
+        let integrity = number("navigation_plausible", "Whether navigation is plausible");
+        integrity.set(1.0);
+        let round_trip = number(
+            "round_trip_seconds",
+            "From the last command that was acknowledged to its acknowledgement",
+        );
+        let gap = number(
+            "refresh_gap_max_seconds",
+            "The longest time between two modifies of a lease",
+        );
+        let mut family = |name: &str, help: &str| {
+            let family = Family::<Labels, Number>::default();
+            registry.register(name, help, family.clone());
+            family
+        };
+        let steered = family("steering", "Whose lease goes on");
+        let failures = family("plugin_failures", "How often a plugin has failed");
+        let steps = family("plugin_steps", "Steps of a plugin");
+        let fuel = family(
+            "plugin_fuel_ratio",
+            "The largest share of its fuel that a step of a plugin used",
+        );
+        let measures = family("measure", "What a plugin publishes, in its own unit");
+        let position = family("position_degrees", "Latitude and longitude of the vehicle");
+        let ages = family("age_seconds", "How old something was at the last beat");
+        let requests = Family::<Labels, Counter>::default();
+        registry.register("requests", "Requests by owner and state", requests.clone());
+        Self {
+            registry,
+            control,
+            steered,
+            held,
+            requests,
+            counted: Mutex::default(),
+            failures,
+            steps,
+            fuel,
+            measures,
+            position,
+            depth,
+            altitude,
+            speed,
+            heading,
+            integrity,
+            round_trip,
+            gap,
+            ages,
+        }
+    }
+
+    /// Takes an item of the time `t`, seconds of the run.
+    pub(crate) fn observe(&self, t: f64, item: &Item) {
+        let flag = |gauge: &Number, is: bool| {
+            gauge.set(f64::from(u8::from(is)));
+        };
+        let plugin = |name: &str| vec![("plugin", name.to_owned())];
+        match item {
+            Item::Navigation {
+                lat,
+                lon,
+                depth_m,
+                altitude_m,
+                heading_deg,
+                speed_mps,
+                ..
+            } => {
+                self.depth.set(*depth_m);
+                self.altitude.set(altitude_m.unwrap_or(f64::NAN));
+                self.speed.set(*speed_mps);
+                self.heading.set(*heading_deg);
+                for (axis, value) in [("latitude", lat), ("longitude", lon)] {
+                    self.position
+                        .get_or_create(&vec![("axis", axis.to_owned())])
+                        .set(*value);
+                }
+            }
+            Item::Beat(beat) => {
+                self.gap.set(beat.worst_gap_s);
+                self.round_trip.set(beat.round_trip_s.unwrap_or(f64::NAN));
+                for (what, at) in [
+                    ("refreshed", beat.refreshed),
+                    ("acknowledged", beat.acknowledged),
+                    ("heard", beat.heard),
+                    ("navigated", beat.navigated),
+                ] {
+                    let age = at.map_or(f64::NAN, |at| t - at);
+                    self.ages.get_or_create(&vec![("what", what.to_owned())]).set(age);
+                }
+            }
+            Item::Control { granted, .. } => flag(&self.control, *granted),
+            Item::Steering(steering) => {
+                self.steered.clear();
+                if let Some(owner) = &steering.owner {
+                    let owner = vec![("owner", owner.clone())];
+                    self.steered.get_or_create(&owner).set(1.0);
+                }
+            }
+            Item::Counts { by, .. } => self.count(by),
+            Item::Plugin {
+                plugin: name, failures, ..
+            } => {
+                self.failures.get_or_create(&plugin(name)).set(*failures as f64);
+            }
+            Item::Headroom {
+                plugin: name,
+                fuel,
+                steps,
+            } => {
+                self.steps.get_or_create(&plugin(name)).set(*steps as f64);
+                if let Some(fuel) = fuel {
+                    self.fuel.get_or_create(&plugin(name)).set(*fuel);
+                }
+            }
+            Item::Measure {
+                plugin: of,
+                name,
+                value,
+                unit,
+            } => {
+                let labels = vec![("plugin", of.clone()), ("name", name.clone()), ("unit", unit.clone())];
+                self.measures.get_or_create(&labels).set(*value);
+            }
+            Item::Operator { act, .. } if act == "hold" || act == "release" => flag(&self.held, act == "hold"),
+            Item::Integrity { ok, .. } => flag(&self.integrity, *ok),
+            Item::Status { .. }
+            | Item::Mission { .. }
+            | Item::Behavior { .. }
+            | Item::Request { .. }
+            | Item::Line { .. }
+            | Item::Sensor { .. }
+            | Item::Map { .. }
+            | Item::Operator { .. }
+            | Item::Sonar { .. }
+            | Item::Truth { .. }
+            | Item::End { .. } => {}
+        }
+    }
+
+    fn count(&self, by: &std::collections::BTreeMap<String, Counts>) {
+        let mut counted = self.counted.lock().unwrap_or_else(PoisonError::into_inner);
+        for (owner, now) in by {
+            let before = counted.insert(owner.clone(), *now).unwrap_or_default();
+            for (state, now, before) in [
+                ("rejected", now.rejected, before.rejected),
+                ("sent", now.sent, before.sent),
+                ("accepted", now.accepted, before.accepted),
+                ("failed", now.failed, before.failed),
+            ] {
+                let labels = vec![("owner", owner.clone()), ("state", state.to_owned())];
+                self.requests.get_or_create(&labels).inc_by(now.saturating_sub(before));
+            }
+        }
+    }
+
+    /// All figures, in OpenMetrics' text.
+    pub(crate) fn text(&self) -> String {
+        let mut text = String::new();
+        // A String takes everything.
+        encode(&mut text, &self.registry).ok();
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::about::{Kind, Origin};
+    use crate::item::Beat;
+
+    #[test]
+    fn a_scrape_has_the_figures_of_a_run() {
+        let origin = Origin { lat: 42.0, lon: -70.0 };
+        let metrics = Metrics::new(&About::new(Kind::Live, "a \"mission\"", 7, origin, "", "{}"));
+        let counts = |sent| Counts {
+            sent,
+            ..Counts::default()
+        };
+        for sent in [3, 5] {
+            let by = BTreeMap::from([("isobath".to_owned(), counts(sent))]);
+            metrics.observe(1.0, &Item::Counts { all: counts(sent), by });
+        }
+        let reason = None;
+        metrics.observe(2.0, &Item::Control { granted: true, reason });
+        let beat = Beat {
+            heard: Some(1.5),
+            ..Beat::default()
+        };
+        metrics.observe(2.0, &Item::Beat(beat));
+        let text = metrics.text();
+        for line in [
+            "backseat_control 1.0",
+            "backseat_requests_total{owner=\"isobath\",state=\"sent\"} 5",
+            "backseat_age_seconds{what=\"heard\"} 0.5",
+            "backseat_run_info{mission=\"a \\\"mission\\\"\"",
+            "# EOF",
+        ] {
+            assert!(text.contains(line), "{line} is not in\n{text}");
+        }
+    }
+}

@@ -19,7 +19,7 @@ use crate::run::host_and_port;
 use crate::state::State;
 
 mod front_seat;
-mod machine;
+pub(crate) mod machine;
 mod missing;
 #[cfg(feature = "simulation")]
 mod scenario;

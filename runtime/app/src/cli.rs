@@ -3,6 +3,7 @@ use clap::{Parser, Subcommand};
 #[cfg(feature = "simulation")]
 use crate::campaign::Campaign;
 use crate::check::Check;
+use crate::doctor::Doctor;
 use crate::explain::Explain;
 #[cfg(feature = "simulation")]
 use crate::fly::Fly;
@@ -86,6 +87,14 @@ pub(crate) enum Command {
     Plc(Plc),
     /// Check a mission before a dive: its files, fence, plugins and plan
     Check(Check),
+    /// Look whether this computer and its network are fit for a dive: clock, disk, processor, vehicle, plugins
+    ///
+    /// Each line says what was looked at and how it is: `ok`, `odd` (the dive can go on, and somebody should know) or `bad`.
+    /// The vehicle and the payload controller are connected to once, and asked for the time by NTP; --offline leaves that
+    /// out. `check` looks at the mission.
+    ///
+    /// Exit code: 0 if nothing is bad, 1 if something is, 2 if the mission cannot be read.
+    Doctor(Doctor),
     /// Replay the log of a run: core and plugins again from the recorded inputs
     ///
     /// Core gets the recorded inputs, and every output must be the recorded one, byte for byte. Each plugin gets the

@@ -13,6 +13,7 @@ mod cli;
 mod clock;
 #[cfg(feature = "console")]
 mod console;
+mod doctor;
 #[cfg(feature = "simulation")]
 mod events;
 mod explain;
@@ -115,6 +116,7 @@ fn program() -> ExitCode {
         #[cfg(feature = "simulation")]
         Command::Plc(arguments) => plc::plc(arguments),
         Command::Check(arguments) => check::check(arguments),
+        Command::Doctor(arguments) => doctor::doctor(arguments),
         Command::Replay(arguments) => replay::replay(arguments),
         Command::Log(command) => log::log(command),
         #[cfg(feature = "plugin")]

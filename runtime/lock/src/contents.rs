@@ -59,16 +59,16 @@ impl Contents {
             mission: parts.name.to_owned(),
             signed_by: signed_by.to_owned(),
             signed_at: signed_at.to_owned(),
-            file_sha256: hash(parts.file),
-            mission_sha256: hash(rest.as_bytes()),
-            limits_sha256: hash(limits.as_bytes()),
-            fence_sha256: hash(parts.fence),
-            plan_sha256: parts.plan.map(|plan| hash(plan.as_bytes())),
-            program_sha256: hash(parts.program),
+            file_sha256: sha256(parts.file),
+            mission_sha256: sha256(rest.as_bytes()),
+            limits_sha256: sha256(limits.as_bytes()),
+            fence_sha256: sha256(parts.fence),
+            plan_sha256: parts.plan.map(|plan| sha256(plan.as_bytes())),
+            program_sha256: sha256(parts.program),
             components: parts
                 .components
                 .iter()
-                .map(|(name, bytes)| (name.clone(), hash(bytes)))
+                .map(|(name, bytes)| (name.clone(), sha256(bytes)))
                 .collect(),
         }
     }
@@ -128,7 +128,9 @@ fn split(mission: &str) -> (String, String) {
     (table.to_string(), limits)
 }
 
-fn hash(bytes: &[u8]) -> String {
+/// The SHA-256 of bytes, hexadecimal.
+#[must_use]
+pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

@@ -12,7 +12,7 @@ mod error;
 mod key;
 mod signed;
 
-pub use contents::{Contents, Parts};
+pub use contents::{Contents, Parts, sha256};
 pub use error::LockError;
 pub use key::{PublicKey, SecretKey, create_keys};
 pub use signed::{open, seal};

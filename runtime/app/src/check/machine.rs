@@ -16,13 +16,13 @@ use crate::run::names_requests;
 use crate::state::State;
 
 /// Room for the log of a day at sea: 10 Hz of navigation and all other messages, about 3 kB/s, times four.
-const LOG_ROOM: u64 = 1 << 30;
+pub(crate) const LOG_ROOM: u64 = 1 << 30;
 /// The records of identifiers and hold are a few bytes each, and occupy one block each.
-const STATE_ROOM: u64 = 1 << 20;
+pub(crate) const STATE_ROOM: u64 = 1 << 20;
 /// 2025-01-01. A clock that has lost power starts in 1970, or when its firmware was built.
-const CLOCK_MIN: Utc = Utc::from_unix_nanos(1_735_689_600_000_000_000);
+pub(crate) const CLOCK_MIN: Utc = Utc::from_unix_nanos(1_735_689_600_000_000_000);
 /// 2100-01-01.
-const CLOCK_MAX: Utc = Utc::from_unix_nanos(4_102_444_800_000_000_000);
+pub(crate) const CLOCK_MAX: Utc = Utc::from_unix_nanos(4_102_444_800_000_000_000);
 /// A mission's files are not written in the future, but the clock of the machine that wrote them may be this far ahead.
 const AHEAD_MAX: Duration = Duration::from_secs(3600);
 
@@ -100,7 +100,7 @@ pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
 
 /// Checks that the folder, or the existing one in which it will be created, can be written to and has room. Returns how
 /// many bytes are free.
-fn writable(folder: &Path, room: u64) -> Result<u64> {
+pub(crate) fn writable(folder: &Path, room: u64) -> Result<u64> {
     let there = existing(folder);
     let probe = there.join(format!(".backseat-check-{}", std::process::id()));
     let written = fs::write(&probe, b"write test by backseat check\n");

@@ -2,6 +2,7 @@
 
 mod cache;
 mod campaign;
+mod doctor;
 mod examples;
 mod explain;
 mod faults;

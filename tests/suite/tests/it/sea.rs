@@ -34,7 +34,9 @@ fn the_program_for_sea_has_no_commands_of_the_simulation() {
     };
     assert_eq!(
         commands(&help(&["--help"])),
-        ["run", "check", "replay", "log", "spi", "s7k", "key", "explain", "help"]
+        [
+            "run", "check", "doctor", "replay", "log", "spi", "s7k", "key", "explain", "help"
+        ]
     );
     assert_eq!(commands(&help(&["log", "--help"])), ["info", "show", "view", "help"]);
     let sim = Backseat::new().for_sea().args(["sim", "x"]).run().exit(2);

@@ -25,6 +25,7 @@ use crate::helm::Helm;
 use crate::keeper::Keeper;
 use crate::lock::{is_as_signed, read_components};
 use crate::log::sources;
+use crate::log_room::{LogRoom, quota};
 use crate::operator::Signals;
 use crate::owner::explained;
 use crate::plugins::Crew;
@@ -49,6 +50,10 @@ pub(crate) struct Run {
     /// Write logs into this folder
     #[arg(long, value_name = "DIR", default_value = "logs")]
     pub(crate) log: PathBuf,
+    /// Remove the oldest logs of this mission in that folder when all of them together are larger, such as 20GB [default:
+    /// remove nothing]
+    #[arg(long, value_name = "SIZE", value_parser = quota)]
+    pub(crate) log_quota: Option<u64>,
     /// Keep SPI identifiers and the operator's hold in this folder [default: a folder of the vehicle's name in the
     /// user's state folder]
     #[arg(long, value_name = "DIR")]
@@ -117,6 +122,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let listener = None;
     let mut recorder = open_log(&log, &mission, None, &loaded, &clock, listener)?;
     let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
+    LogRoom::new(&log, &mission.name, arguments.log_quota).watch()?;
     info!(
         "plugins: {cached} from the cache, {} compiled",
         loaded.origins.len() - cached

@@ -45,7 +45,7 @@ impl Rate {
     pub(crate) const fn flush_period(self) -> Duration {
         match self {
             Self::Simulation => Duration::from_secs(60),
-            Self::Deployed => Duration::from_secs(3),
+            Self::Deployed => Duration::from_secs(1),
         }
     }
 

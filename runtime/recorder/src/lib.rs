@@ -76,7 +76,7 @@
 //! replayed from the start.
 //!
 //! **After a killed process.** Each MCAP chunk is assembled in memory, written whole, and handed to the operating
-//! system: every 3 s of the run's time when deployed, every 60 s or 256 KiB in simulation. A file without its end can
+//! system: every second of the run's time when deployed, every 60 s or 256 KiB in simulation. A file without its end can
 //! be read up to its last whole chunk by [`read`], by `mcap recover`, and by the Python package's streaming reader
 //! (`NonSeekingReader`), which raises an exception there. The recorder does not sync the file to the disk, so a power
 //! cut can lose what the operating system had not written, usually the last 30 s.

@@ -24,7 +24,7 @@ use crate::recording::{Queue, Recording};
 use crate::service::{Service, Slips};
 use crate::sonar::Sonars;
 
-const FLUSH_EVERY: Duration = Duration::from_secs(2);
+const FLUSH_EVERY: Duration = Duration::from_secs(1);
 /// A change of the system's UTC against its monotonic clock that is too large to be a time daemon's slewing between two
 /// checks.
 const UTC_STEP_MIN: Duration = Duration::from_millis(500);

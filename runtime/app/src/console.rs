@@ -22,6 +22,34 @@ pub(crate) struct ConsoleArguments {
     console: Option<SocketAddr>,
 }
 
+#[cfg(feature = "simulation")]
+#[derive(Debug, Args)]
+pub(crate) struct WatchArguments {
+    /// Show the run in a web console of this computer, and go on showing it until Ctrl-C [without an address:
+    /// 127.0.0.1:8480]; --speed 20 is fast enough to see something, and slow enough to watch
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = ADDRESS)]
+    pub(crate) watch: Option<SocketAddr>,
+}
+
+#[cfg(feature = "simulation")]
+impl WatchArguments {
+    /// Opens the port.
+    pub(crate) fn open(&self) -> Result<Console> {
+        let listener = self.watch.map(Listener::open).transpose();
+        Ok(Console(listener.context("--watch")?))
+    }
+}
+
+fn about(kind: Kind, mission: &Mission, utc: Utc) -> About {
+    let origin = mission.envelope.fence().frame().origin();
+    let origin = Origin {
+        lat: origin.latitude.as_deg(),
+        lon: origin.longitude.as_deg(),
+    };
+    let (resolved, fence) = (&mission.resolved, &mission.fence_text);
+    About::new(kind, &mission.name, utc.as_unix_nanos(), origin, resolved, fence)
+}
+
 /// A console whose port is open.
 pub(crate) struct Console(Option<Listener>);
 
@@ -56,22 +84,10 @@ impl Console {
         let Some(listener) = self.0 else {
             return Ok(Attached::default());
         };
-        let origin = mission.envelope.fence().frame().origin();
-        let origin = Origin {
-            lat: origin.latitude.as_deg(),
-            lon: origin.longitude.as_deg(),
-        };
         let about = About {
             armed: Some(armed),
             operator: true,
-            ..About::new(
-                kind,
-                &mission.name,
-                utc.as_unix_nanos(),
-                origin,
-                &mission.resolved,
-                &mission.fence_text,
-            )
+            ..about(kind, mission, utc)
         };
         let path = state.hold_path().with_file_name("console.token");
         let token = Token::create(&path).with_context(|| path.display().to_string())?;
@@ -94,5 +110,27 @@ impl Console {
             listener: Some(Box::new(move |now, topic, data| feed.tell(now, topic, data))),
             asked: Some(asked),
         })
+    }
+
+    /// Shows a simulation, which nobody can hold.
+    #[cfg(feature = "simulation")]
+    pub(crate) fn show(self, mission: &Mission, utc: Utc) -> Result<Option<backseat_recorder::Listener>> {
+        let Some(listener) = self.0 else { return Ok(None) };
+        let about = About {
+            armed: Some(true),
+            ..about(Kind::Simulated, mission, utc)
+        };
+        let hub = Hub::new(&about, Limits::LIVE);
+        let feed = hub.listen(Teller::new(about.budgets()))?;
+        let address = listener.address();
+        let service = Service {
+            hub,
+            token: None,
+            live: true,
+        };
+        // Nobody can ask for anything.
+        drop(serve(listener, service)?);
+        info!("console: http://{address}");
+        Ok(Some(Box::new(move |now, topic, data| feed.wait(now, topic, data))))
     }
 }

@@ -61,6 +61,9 @@ pub(crate) struct Sim {
     /// Run this many times faster than real time, or `max`
     #[arg(long, default_value = "max", value_name = "X|max")]
     pub(crate) speed: Speed,
+    #[cfg(feature = "console")]
+    #[command(flatten)]
+    pub(crate) watch: crate::console::WatchArguments,
     /// Print what the plugins log on standard error, with its time; so does BACKSEAT_LOG=debug
     #[arg(long)]
     pub(crate) verbose: bool,
@@ -91,6 +94,10 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     if arguments.s7k.is_some() {
         controller_of(&scenario)?;
     }
+    #[cfg(feature = "console")]
+    let (console, watched) = (arguments.watch.open()?, arguments.watch.watch.is_some());
+    #[cfg(not(feature = "console"))]
+    let watched = false;
     let faults = arguments.faults.as_deref().map(read_faults).transpose()?;
     let script = arguments.script.as_deref().map(read_script).transpose()?;
     let loading = Clock::start();
@@ -101,8 +108,9 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
 
     // The plugins' lines are read from the log.
     let verbose = arguments.verbose || enabled!(Level::DEBUG);
-    let passing = (verbose && arguments.log.is_none()).then(Passing::new);
-    let recorder = match arguments.log.as_ref().or(passing.as_ref().map(|passing| &passing.0)) {
+    let passing = ((verbose || watched) && arguments.log.is_none()).then(Passing::new);
+    #[cfg_attr(not(feature = "console"), expect(unused_mut, reason = "only the console listens"))]
+    let mut recorder = match arguments.log.as_ref().or(passing.as_ref().map(|passing| &passing.0)) {
         Some(path) => Some(Recorder::create(
             path,
             &Header {
@@ -121,6 +129,10 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         )?),
         None => None,
     };
+    #[cfg(feature = "console")]
+    if let (Some(recorder), Some(listener)) = (&mut recorder, console.show(&mission, scenario.world.start.utc)?) {
+        recorder.listen(listener);
+    }
     if let Some(path) = &arguments.map {
         // Reports a file that cannot be written before the run, not after it.
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
@@ -199,6 +211,13 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
             "the recording is not whole: {} files could not be written, the first one {first}",
             failed_files.len()
         ));
+    }
+    if watched {
+        tell("the console goes on showing the run; Ctrl-C ends it");
+        drop(passing);
+        loop {
+            std::thread::park();
+        }
     }
     Ok(report.passed() && failed_files.is_empty())
 }

@@ -18,6 +18,16 @@ pub struct Told {
     pub data: Vec<u8>,
 }
 
+impl Told {
+    fn new(now: Timestamp, topic: &str, data: &[u8]) -> Self {
+        Self {
+            now,
+            topic: topic.to_owned(),
+            data: data.to_vec(),
+        }
+    }
+}
+
 /// The loop's end of the queue to the console.
 #[derive(Clone, Debug)]
 pub struct Feed {
@@ -43,18 +53,21 @@ impl Feed {
         (feed, Heard { queue: heard, lost })
     }
 
+    /// Tells the console of a message, and waits for room: for a simulation, which is not to be shown with gaps.
+    pub fn wait(&self, now: Timestamp, topic: &str, data: &[u8]) {
+        if wants(topic, data) {
+            // The console has ended, and nobody misses it.
+            drop(self.queue.send(Told::new(now, topic, data)));
+        }
+    }
+
     /// Tells the console of a message, if it wants any of this topic. This never waits: a message that finds no room is
     /// left out and counted.
     pub fn tell(&self, now: Timestamp, topic: &str, data: &[u8]) {
         if !wants(topic, data) {
             return;
         }
-        let told = Told {
-            now,
-            topic: topic.to_owned(),
-            data: data.to_vec(),
-        };
-        match self.queue.try_send(told) {
+        match self.queue.try_send(Told::new(now, topic, data)) {
             Ok(()) => {}
             Err(TrySendError::Full(_)) => {
                 self.lost.fetch_add(1, Ordering::Relaxed);

@@ -13,7 +13,7 @@ use clap::Args;
 use crate::arguments::MissionArguments;
 use crate::cache::host;
 use crate::clock::Clock;
-use crate::lock::sign;
+use crate::lock::{sign, signer};
 use crate::output::{kib, say};
 use crate::run::host_and_port;
 use crate::state::State;
@@ -53,7 +53,7 @@ pub(crate) struct Check {
     #[arg(long, value_name = "NAME.key")]
     pub(crate) sign: Option<PathBuf>,
     /// Who signs, for the lock and the log [default: the user's name]
-    #[arg(long, value_name = "WHO", requires = "sign")]
+    #[arg(long, value_name = "WHO", requires = "sign", value_parser = signer)]
     pub(crate) signer: Option<String>,
     /// Where the dive will keep identifiers and the operator's hold [default: the user's state folder]
     #[arg(long, value_name = "DIR")]

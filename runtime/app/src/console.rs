@@ -18,7 +18,7 @@ const ADDRESS: &str = "127.0.0.1:8480";
 #[derive(Debug, Args)]
 pub(crate) struct ConsoleArguments {
     /// Serve a web console at this address of this computer [without an address: 127.0.0.1:8480; port 0: a free one]
-    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = ADDRESS)]
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = ADDRESS, value_parser = address)]
     console: Option<SocketAddr>,
 }
 
@@ -27,7 +27,7 @@ pub(crate) struct ConsoleArguments {
 pub(crate) struct WatchArguments {
     /// Show the run in a web console of this computer, and go on showing it until Ctrl-C [without an address:
     /// 127.0.0.1:8480]; --speed 20 is fast enough to see something, and slow enough to watch
-    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = ADDRESS)]
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = ADDRESS, value_parser = address)]
     pub(crate) watch: Option<SocketAddr>,
 }
 
@@ -48,6 +48,17 @@ fn about(kind: Kind, mission: &Mission, utc: Utc) -> About {
     };
     let (resolved, fence) = (&mission.resolved, &mission.fence_text);
     About::new(kind, &mission.name, utc.as_unix_nanos(), origin, resolved, fence)
+}
+
+/// An address of this computer: `127.0.0.1:8480`, `localhost:8480`, `[::1]:8480`, or a port alone.
+pub(crate) fn address(text: &str) -> Result<SocketAddr, String> {
+    let whole = match text.parse::<u16>() {
+        Ok(port) => format!("127.0.0.1:{port}"),
+        Err(_) => text.replacen("localhost", "127.0.0.1", 1),
+    };
+    whole
+        .parse()
+        .map_err(|_| "expected an address of this computer, such as 127.0.0.1:8480, or a port".to_owned())
 }
 
 /// A console whose port is open.

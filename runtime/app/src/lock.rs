@@ -52,6 +52,15 @@ fn contents(mission: &Mission, components: &[(String, Vec<u8>)], by: &str, at: &
     Ok(Contents::of(&parts, by, at))
 }
 
+/// A name that people can read in a line.
+pub(crate) fn signer(text: &str) -> Result<String, String> {
+    let name = text.trim();
+    if name.is_empty() || name.chars().count() > 64 || name.chars().any(char::is_control) {
+        return Err("expected a name of 1 to 64 characters in one line".to_owned());
+    }
+    Ok(name.to_owned())
+}
+
 /// Signs a mission, and writes its lock.
 pub(crate) fn sign(mission: &Mission, components: &[(String, Vec<u8>)], key: &Path, by: &str, now: Utc) -> Result<()> {
     let key = SecretKey::read(key)?;

@@ -121,6 +121,17 @@ impl Hub {
         self.0.news.send_replace(next);
     }
 
+    /// Adds a line of somebody outside the run, now.
+    pub(crate) fn say(&self, level: &'static str, who: &str, text: &str) {
+        let newest = *self.0.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        let item = Item::Line {
+            level,
+            who: who.to_owned(),
+            text: text.to_owned(),
+        };
+        self.add(newest.map_or(0.0, |(t, _)| t), &item, true);
+    }
+
     /// What is shown, as JSON, with the run's time if it goes on.
     pub(crate) fn about(&self) -> String {
         #[derive(Serialize)]

@@ -5,27 +5,28 @@ mod assets;
 mod guard;
 mod socket;
 
-use std::net::SocketAddr;
-use std::sync::{Arc, Mutex};
+use std::collections::VecDeque;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::middleware::from_fn_with_state;
 use axum::routing::{any, get, post};
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::task::AbortHandle;
 use tokio::time::timeout;
 use tracing::warn;
 
 use crate::hub::Hub;
 use crate::operator::{Asked, Desk};
 use crate::token::Token;
-use api::Tries;
 
 /// Connections at once. A browser opens about six.
 const CONNECTIONS_MAX: usize = 96;
@@ -44,7 +45,9 @@ const PAUSE: Duration = Duration::from_millis(200);
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
     /// The address is not of this computer alone.
-    #[error("{address}: the console listens on this computer alone: give 127.0.0.1:PORT, and reach it through ssh -L")]
+    #[error(
+        "{address}: the console listens on this computer alone: give 127.0.0.1:PORT or [::1]:PORT, and reach it through ssh -L"
+    )]
     NotLoopback {
         /// The address.
         address: SocketAddr,
@@ -76,7 +79,7 @@ impl Listener {
     ///
     /// [`ServerError::NotLoopback`], [`ServerError::Bind`].
     pub fn open(address: SocketAddr) -> Result<Self, ServerError> {
-        if !address.ip().is_loopback() {
+        if ![IpAddr::V4(Ipv4Addr::LOCALHOST), IpAddr::V6(Ipv6Addr::LOCALHOST)].contains(&address.ip()) {
             return Err(ServerError::NotLoopback { address });
         }
         let bound = std::net::TcpListener::bind(address).and_then(|listener| {
@@ -110,8 +113,8 @@ pub(crate) struct Shared {
     pub(crate) token: Option<Token>,
     pub(crate) live: bool,
     pub(crate) desk: Desk,
-    pub(crate) tries: Mutex<Tries>,
-    pub(crate) port: u16,
+    /// Wrong tokens so far.
+    pub(crate) wrong: AtomicU32,
 }
 
 /// Serves on a thread of its own until the process ends. Returns what the operator asks for.
@@ -126,8 +129,7 @@ pub fn serve(listener: Listener, service: Service) -> Result<tokio::sync::mpsc::
         token: service.token,
         live: service.live,
         desk,
-        tries: Mutex::default(),
-        port: listener.address.port(),
+        wrong: AtomicU32::new(0),
     });
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
@@ -158,7 +160,7 @@ fn router(shared: Arc<Shared>) -> Router {
 }
 
 async fn accept(listener: TcpListener, router: Router) {
-    let room = Arc::new(Semaphore::new(CONNECTIONS_MAX));
+    let mut open: VecDeque<Conversation> = VecDeque::new();
     let mut told = false;
     loop {
         let stream = match listener.accept().await {
@@ -171,14 +173,36 @@ async fn accept(listener: TcpListener, router: Router) {
                 continue;
             }
         };
-        // Without room the connection is closed at once.
-        if let Ok(permit) = Arc::clone(&room).try_acquire_owned() {
-            tokio::spawn(converse(stream, router.clone(), permit));
+        open.retain(|conversation| !conversation.task.is_finished());
+        if open.len() >= CONNECTIONS_MAX {
+            // Sockets that say nothing never keep out who has something to ask: the oldest that waits for a request goes.
+            let idle = |conversation: &Conversation| !conversation.busy.load(Ordering::Relaxed);
+            let Some(place) = open.iter().position(idle) else {
+                continue;
+            };
+            if let Some(oldest) = open.remove(place) {
+                oldest.task.abort();
+            }
         }
+        let busy = Arc::new(AtomicBool::new(false));
+        let router = router.clone().layer(Extension(Busy(Arc::clone(&busy))));
+        let task = tokio::spawn(converse(stream, router)).abort_handle();
+        open.push_back(Conversation { busy, task });
     }
 }
 
-async fn converse(stream: TcpStream, router: Router, _permit: OwnedSemaphorePermit) {
+/// A connection.
+struct Conversation {
+    /// A request is being answered.
+    busy: Arc<AtomicBool>,
+    task: AbortHandle,
+}
+
+/// Says of a connection that a request is being answered.
+#[derive(Clone)]
+struct Busy(Arc<AtomicBool>);
+
+async fn converse(stream: TcpStream, router: Router) {
     let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_WITHIN)

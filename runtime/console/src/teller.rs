@@ -34,6 +34,10 @@ pub struct Teller {
     requests: Requests,
     thin: Thin,
     newest_s: f64,
+    /// Whether there is control, if that was said.
+    controlled: Option<bool>,
+    /// Who has just asked for something at the console.
+    asked: Option<String>,
 }
 
 #[derive(Debug)]
@@ -68,6 +72,8 @@ impl Teller {
             requests: Requests::default(),
             thin: Thin::default(),
             newest_s: 0.0,
+            controlled: None,
+            asked: None,
         }
     }
 
@@ -85,9 +91,22 @@ impl Teller {
             "/link/from_vehicle" => self.link.heard(t, text(data).as_deref()),
             "/link/to_vehicle" => {
                 if let Some(text) = text(data) {
-                    let Self { link, requests, .. } = self;
+                    let Self {
+                        link,
+                        requests,
+                        controlled,
+                        ..
+                    } = self;
                     let before = link.beat().refreshed;
-                    link.sent(t, &text, requests.leads(), |item| tell(t, item, true));
+                    let controlled = *controlled;
+                    link.sent(t, &text, requests.leads(), |item| {
+                        // Another reason for which there is no control.
+                        if let (Item::Status { text }, Some(false)) = (&item, controlled) {
+                            let reason = Some(text.clone());
+                            tell(t, Item::Control { granted: false, reason }, true);
+                        }
+                        tell(t, item, true);
+                    });
                     if link.beat().refreshed != before && link.beat().refreshed.is_some() {
                         tell(t, Item::Beat(link.beat()), false);
                     }
@@ -127,6 +146,7 @@ impl Teller {
             }
             "/control" => {
                 let granted = value["granted"] == true;
+                self.controlled = Some(granted);
                 if !granted && let Some(item) = self.link.ended(words(&value["reason"])) {
                     tell(t, item, true);
                 }
@@ -142,6 +162,9 @@ impl Teller {
                 };
                 let who = words(&value["name"]).unwrap_or_default();
                 let text = words(&value["message"]).unwrap_or_default();
+                if who == "operator" {
+                    self.asked = text.split_once(" at the console: ").map(|(who, _)| who.to_owned());
+                }
                 tell(t, Item::Line { level, who, text }, true);
             }
             "/map/plan" => layer(t, "plan", &value, tell),
@@ -316,7 +339,7 @@ impl Teller {
             }
             "operator" => Item::Operator {
                 act: words(&value["act"]).unwrap_or_default(),
-                who: None,
+                who: self.asked.take(),
             },
             "navigation" => {
                 let text = text();

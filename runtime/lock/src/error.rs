@@ -32,6 +32,20 @@ pub enum LockError {
         /// Its path.
         path: PathBuf,
     },
+    /// Others can write a public key.
+    #[error("{}: others can write this key, and put theirs in its place: chmod go-w", path.display())]
+    Writable {
+        /// Its path.
+        path: PathBuf,
+    },
+    /// Something is no file, or too large for what it should be.
+    #[error("{}: expected a file of at most {most} bytes", path.display())]
+    NoFile {
+        /// Its path.
+        path: PathBuf,
+        /// Bytes.
+        most: u64,
+    },
     /// The system has no random numbers.
     #[error("no random numbers for a key: {0}")]
     Random(String),

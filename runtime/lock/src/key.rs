@@ -11,6 +11,8 @@ use crate::error::LockError;
 
 const SECRET: &str = "backseat secret key 1";
 const PUBLIC: &str = "backseat public key 1";
+/// A key's file is shorter than this, bytes.
+const KEY_MAX: u64 = 4096;
 
 /// The key with which a person signs.
 pub struct SecretKey(SigningKey);
@@ -57,13 +59,26 @@ fn write(path: &Path, mode: u32, head: &str, bytes: &[u8]) -> Result<(), LockErr
     writeln!(file, "{head}\n{}", STANDARD.encode(bytes)).map_err(failed)
 }
 
+/// Reads a file, if it is one and no larger than this: not a pipe, on which it would wait, nor a device without an end.
+pub(crate) fn read_file(path: &Path, most: u64) -> Result<String, LockError> {
+    let about = std::fs::metadata(path).map_err(|source| LockError::file(path, source))?;
+    if !about.is_file() || about.len() > most {
+        return Err(LockError::NoFile {
+            path: path.to_path_buf(),
+            most,
+        });
+    }
+    std::fs::read_to_string(path).map_err(|source| LockError::file(path, source))
+}
+
 fn read(path: &Path, head: &str, expected: &'static str) -> Result<[u8; 32], LockError> {
-    let text = std::fs::read_to_string(path).map_err(|source| LockError::file(path, source))?;
+    let text = read_file(path, KEY_MAX)?;
     let mut lines = text.lines();
     let bytes = (lines.next() == Some(head))
         .then(|| lines.next().and_then(|line| STANDARD.decode(line.trim()).ok()))
         .flatten()
-        .and_then(|bytes| <[u8; 32]>::try_from(bytes).ok());
+        .and_then(|bytes| <[u8; 32]>::try_from(bytes).ok())
+        .filter(|_| lines.next().is_none());
     bytes.ok_or_else(|| LockError::Key {
         path: path.to_path_buf(),
         expected,
@@ -102,6 +117,12 @@ impl PublicKey {
             path: path.to_path_buf(),
             expected: "public",
         };
+        let about = std::fs::metadata(path).map_err(|source| LockError::file(path, source))?;
+        if about.permissions().mode() & 0o022 != 0 {
+            return Err(LockError::Writable {
+                path: path.to_path_buf(),
+            });
+        }
         let key = VerifyingKey::from_bytes(&read(path, PUBLIC, "public")?).map_err(|_| expected())?;
         Ok(Self {
             key,

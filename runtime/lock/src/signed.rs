@@ -2,7 +2,7 @@ use std::path::Path;
 
 use crate::contents::Contents;
 use crate::error::LockError;
-use crate::key::{PublicKey, SecretKey};
+use crate::key::{PublicKey, SecretKey, read_file};
 
 /// Before the signature, which is of everything in front of this line.
 const MARK: &str = "\n# The signature is of all lines above.\nsignature = \"";
@@ -30,11 +30,7 @@ pub fn open(path: &Path, key: &PublicKey) -> Result<Contents, LockError> {
         path: path.to_path_buf(),
         message: message.trim().replace('\n', " "),
     };
-    let about = std::fs::metadata(path).map_err(|source| LockError::file(path, source))?;
-    if about.len() > LONGEST {
-        return Err(damaged(format!("it has {} bytes", about.len())));
-    }
-    let text = std::fs::read_to_string(path).map_err(|source| LockError::file(path, source))?;
+    let text = read_file(path, LONGEST)?;
     let (body, signature) = text
         .split_once(MARK)
         .and_then(|(body, rest)| Some((body, rest.strip_suffix("\"\n")?)))
@@ -113,6 +109,14 @@ mod tests {
         );
         let error = PublicKey::read(&secret).unwrap_err().to_string();
         assert!(error.contains("is no public key"), "{error}");
+        let error = PublicKey::read(Path::new("/dev/zero")).unwrap_err().to_string();
+        assert!(error.contains("expected a file of at most"), "{error}");
+        let twice = std::fs::read_to_string(&public).unwrap().repeat(2);
+        std::fs::write(&public, twice).unwrap();
+        assert!(PublicKey::read(&public).is_err(), "two keys");
+        std::fs::set_permissions(&public, std::fs::Permissions::from_mode(0o666)).unwrap();
+        let error = PublicKey::read(&public).unwrap_err().to_string();
+        assert!(error.contains("others can write this key"), "{error}");
         std::fs::set_permissions(&secret, std::fs::Permissions::from_mode(0o640)).unwrap();
         let error = SecretKey::read(&secret).err().unwrap().to_string();
         assert!(error.contains("others can read this secret key"), "{error}");

@@ -8,6 +8,7 @@ use clap::Args;
 use tracing::warn;
 
 use super::expected_log;
+use crate::console::address;
 use crate::output::say;
 
 #[derive(Debug, Args)]
@@ -16,7 +17,7 @@ pub(crate) struct LogView {
     #[arg(value_name = "DIVE.mcap")]
     log: PathBuf,
     /// Serve the page at this address of this computer; port 0 is a free one
-    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:8480")]
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:8480", value_parser = address)]
     listen: SocketAddr,
 }
 

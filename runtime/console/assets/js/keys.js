@@ -30,7 +30,10 @@ export function startKeys(acts) {
   const all = /** @type {Map<string, (e: KeyboardEvent) => void>} */ (new Map(Object.entries({ ...acts, "?": help })));
   document.addEventListener("keydown", (e) => {
     if (e.key === "Escape" && /** @type {HTMLElement} */ (e.target).id === "search") /** @type {HTMLElement} */ (e.target).blur();
-    if (e.ctrlKey || e.metaKey || e.altKey || typing(e.target) || document.querySelector("dialog[open]")) return;
+    // Hold comes before the list of keys.
+    const first = dialog.open && e.key.toLowerCase() === "h";
+    if (first) dialog.close();
+    if (e.ctrlKey || e.metaKey || e.altKey || (!first && typing(e.target)) || document.querySelector("dialog[open]")) return;
     if (e.key === " " && /** @type {HTMLElement} */ (e.target).closest?.("button")) return;
     const act = all.get(e.key.length === 1 ? e.key.toLowerCase() : e.key);
     if (!act) return;

@@ -176,6 +176,9 @@ class Page {
     }
     this.loading = 1;
     this.clock.hear(this.dive.end);
+    // A recorded dive begins when the vehicle is known, not with empty figures.
+    const known = this.dive.navigation;
+    if (!this.clock.live && !this.clock.following && this.clock.t === 0 && known.length > 3) this.clock.t = known.t[3];
     this.seeked = true;
     if (this.clock.live && !this.dive.over) this.feed.start();
   }

@@ -1,4 +1,5 @@
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use axum::extract::{Request, State};
@@ -8,7 +9,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use tokio::time::timeout;
 
-use super::{BODY_MAX, Shared};
+use super::{BODY_MAX, Busy, Shared};
 
 /// A request has its answer within this.
 const ANSWER_WITHIN: Duration = Duration::from_secs(5);
@@ -29,9 +30,17 @@ const HEADERS: [(&str, &str); 6] = [
 /// Answers only what was asked of this computer's own name, from our own page: another site's page, or a name that was
 /// made to point here, gets nothing.
 pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
+    let whose = request.uri().authority().map(ToString::to_string);
+    let busy = request.extensions().get::<Busy>().cloned();
+    let is = |answering: bool| {
+        if let Some(Busy(busy)) = &busy {
+            busy.store(answering, Ordering::Relaxed);
+        }
+    };
+    is(true);
     let mut response = if is_too_large(request.headers()) {
         (StatusCode::PAYLOAD_TOO_LARGE, "too large\n").into_response()
-    } else if is_ours(request.headers(), shared.port) {
+    } else if is_ours(request.headers(), whose.as_deref()) {
         // A body that never comes is not waited for.
         let answer = timeout(ANSWER_WITHIN, next.run(request)).await;
         answer.unwrap_or_else(|_| (StatusCode::REQUEST_TIMEOUT, "too slow\n").into_response())
@@ -42,6 +51,7 @@ pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, n
         )
             .into_response()
     };
+    is(false);
     for (name, value) in HEADERS {
         response
             .headers_mut()
@@ -57,27 +67,29 @@ fn is_too_large(headers: &HeaderMap) -> bool {
         .is_some_and(|length| length > BODY_MAX as u64)
 }
 
-fn is_ours(headers: &HeaderMap, port: u16) -> bool {
-    let text = |name| {
-        headers
-            .get(name)
-            .map(|value: &HeaderValue| value.to_str().unwrap_or("?"))
+/// `whose` is the name in the request's address, if it has one.
+fn is_ours(headers: &HeaderMap, whose: Option<&str>) -> bool {
+    let text = |value: &HeaderValue| value.to_str().unwrap_or("?").to_ascii_lowercase();
+    // One name, as HTTP/1.1 asks for, and no origin but ours.
+    let mut hosts = headers.get_all(HOST).iter().map(text);
+    let (Some(host), None) = (hosts.next(), hosts.next()) else {
+        return false;
     };
-    let names = ["localhost", "127.0.0.1", "[::1]"];
-    let ours = |given: &str| {
-        names.iter().any(|name| match given.strip_prefix(name) {
+    let mut origins = headers.get_all(ORIGIN).iter().map(text);
+    origins.all(|origin| origin.strip_prefix("http://") == Some(host.as_str()))
+        && is_name(&host)
+        && whose.is_none_or(|whose| whose.eq_ignore_ascii_case(&host))
+}
+
+/// Whether a name is this computer's own.
+fn is_name(given: &str) -> bool {
+    ["localhost", "127.0.0.1", "[::1]"]
+        .iter()
+        .any(|name| match given.strip_prefix(name) {
             // Through a tunnel the port is another.
             Some(rest) => rest.is_empty() || rest.strip_prefix(':').is_some_and(|port| port.parse::<u16>().is_ok()),
             None => false,
         })
-    };
-    let host = text(HOST);
-    match (host, text(ORIGIN)) {
-        (Some(host), None) => ours(host),
-        (Some(host), Some(origin)) => ours(host) && origin.strip_prefix("http://") == Some(host),
-        // HTTP/1.0 without a name.
-        (None, origin) => origin.is_none() && port > 0,
-    }
 }
 
 #[cfg(test)]
@@ -104,8 +116,13 @@ mod tests {
             ("evil.example:8480", None, false),
             ("127.0.0.1.evil.example", None, false),
             ("localhostevil", None, false),
+            ("LOCALHOST:8480", None, true),
         ] {
-            assert_eq!(is_ours(&headers(host, origin), 8480), ours, "{host} {origin:?}");
+            assert_eq!(is_ours(&headers(host, origin), None), ours, "{host} {origin:?}");
         }
+        let mut two = headers("localhost", None);
+        assert!(is_ours(&two, Some("localhost")) && !is_ours(&two, Some("evil.example")));
+        two.append(HOST, HeaderValue::from_static("evil.example"));
+        assert!(!is_ours(&two, None) && !is_ours(&HeaderMap::new(), None));
     }
 }

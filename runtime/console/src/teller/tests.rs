@@ -82,6 +82,39 @@ fn an_acknowledgement_is_a_round_trip_and_a_lease_is_steering() {
 }
 
 #[test]
+fn a_hold_has_its_name_and_a_loss_of_control_its_newest_reason() {
+    let status = |text: &str| sentence(&format!("BPSTS,081020.500,1,{text}"));
+    let items = told(
+        &mut teller(),
+        &[
+            (
+                0,
+                "/control",
+                r#"{"granted":false,"reason":"the vehicle does not answer in time"}"#,
+            ),
+            (100, "/link/to_vehicle", &status("the vehicle has control")),
+            (
+                200,
+                "/log",
+                r#"{"level":2,"name":"operator","message":"Ann at the console: hold"}"#,
+            ),
+            (200, "/notes", r#"{"note":"operator","act":"hold"}"#),
+            (300, "/notes", r#"{"note":"operator","act":"release"}"#),
+        ],
+    );
+    let reason = Some("the vehicle has control".to_owned());
+    assert!(
+        items.contains(&(Item::Control { granted: false, reason }, true)),
+        "{items:?}"
+    );
+    let act = |act: &str, who: Option<&str>| Item::Operator {
+        act: act.to_owned(),
+        who: who.map(str::to_owned),
+    };
+    assert!(items.contains(&(act("hold", Some("Ann")), true)) && items.contains(&(act("release", None), true)));
+}
+
+#[test]
 fn navigation_reaches_who_listens_and_each_second_the_history() {
     let row = r#"{"time_s":1.0,"latitude_deg":42.0,"longitude_deg":-70.0,"depth_m":3.0,"heading_deg":90.0,
         "roll_deg":0.0,"pitch_deg":0.0,"east_mps":1.0,"north_mps":0.0,"yaw_rate_dps":0.0,"gps":false}"#;

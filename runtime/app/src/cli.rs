@@ -87,9 +87,9 @@ pub(crate) enum Command {
     Plc(Plc),
     /// Check a mission before a dive: its files, fence, plugins and plan
     Check(Check),
-    /// Look whether this computer and its network are fit for a dive: clock, disk, processor, vehicle, plugins
+    /// Look whether this computer and its network are fit for a dive
     ///
-    /// Each line says what was looked at and how it is: `ok`, `odd` (the dive can go on, and somebody should know) or `bad`.
+    /// That is: clock, disk, processor, permissions, vehicle, payload controller, program and plugins. Each line says what was looked at and how it is: `ok`, `odd` (the dive can go on, and somebody should know) or `bad`.
     /// The vehicle and the payload controller are connected to once, and asked for the time by NTP; --offline leaves that
     /// out. `check` looks at the mission.
     ///
@@ -127,7 +127,7 @@ pub(crate) enum Command {
     /// Inspect, check, cut and convert recordings of the sonar payload (.s7k)
     #[command(subcommand)]
     S7k(S7k),
-    /// Make a pair of keys, with which `check --sign` signs a mission and `run --locked` checks the signature
+    /// Make a pair of keys, for `check --sign` and `run --locked`
     Key(Key),
     /// Explain a key of a mission's files, such as turn_rate_dps
     Explain(Explain),

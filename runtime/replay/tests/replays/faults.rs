@@ -8,7 +8,7 @@ use crate::flight::Log;
 /// How many drawn plans are flown here; `cargo xtask soak` flies a hundred.
 const DRAWN: u64 = 3;
 /// Every so many of the kept plans is flown here.
-const EVERY: usize = 12;
+const EVERY: usize = 8;
 
 /// Faults of link and vehicle, plugins that fail, processes that are killed, stopped and started again, a full disk, and
 /// the operator.

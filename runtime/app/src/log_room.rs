@@ -150,7 +150,9 @@ mod tests {
             "dive-1-copy.mcap",
             "dive1.mcap",
         ];
-        others.map(write);
+        for name in others {
+            write(name);
+        }
         let current = folder.path().join("dive-900.mcap");
         LogRoom::new(&current, "dive", Some(2500)).keep_quota();
         let there = |name: &str| folder.path().join(name).exists();

@@ -13,7 +13,7 @@ use std::thread;
 use std::time::Duration;
 
 use axum::extract::DefaultBodyLimit;
-use axum::middleware::from_fn_with_state;
+use axum::middleware::from_fn;
 use axum::routing::{any, get, post};
 use axum::{Extension, Router};
 use hyper::server::conn::http1;
@@ -155,7 +155,7 @@ fn router(shared: Arc<Shared>) -> Router {
         .route("/metrics", get(api::metrics))
         .fallback(get(assets::file))
         .layer(DefaultBodyLimit::max(BODY_MAX))
-        .layer(from_fn_with_state(Arc::clone(&shared), guard::guard))
+        .layer(from_fn(guard::guard))
         .with_state(shared)
 }
 

@@ -117,13 +117,14 @@ impl PublicKey {
             path: path.to_path_buf(),
             expected: "public",
         };
+        let bytes = read(path, PUBLIC, "public")?;
         let about = std::fs::metadata(path).map_err(|source| LockError::file(path, source))?;
         if about.permissions().mode() & 0o022 != 0 {
             return Err(LockError::Writable {
                 path: path.to_path_buf(),
             });
         }
-        let key = VerifyingKey::from_bytes(&read(path, PUBLIC, "public")?).map_err(|_| expected())?;
+        let key = VerifyingKey::from_bytes(&bytes).map_err(|_| expected())?;
         Ok(Self {
             key,
             path: path.to_path_buf(),

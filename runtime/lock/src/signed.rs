@@ -112,8 +112,10 @@ mod tests {
         let error = PublicKey::read(Path::new("/dev/zero")).unwrap_err().to_string();
         assert!(error.contains("expected a file of at most"), "{error}");
         let twice = std::fs::read_to_string(&public).unwrap().repeat(2);
-        std::fs::write(&public, twice).unwrap();
+        std::fs::write(&public, &twice).unwrap();
         assert!(PublicKey::read(&public).is_err(), "two keys");
+        let one: Vec<&str> = twice.lines().take(2).collect();
+        std::fs::write(&public, one.join("\n")).unwrap();
         std::fs::set_permissions(&public, std::fs::Permissions::from_mode(0o666)).unwrap();
         let error = PublicKey::read(&public).unwrap_err().to_string();
         assert!(error.contains("others can write this key"), "{error}");

@@ -1,15 +1,14 @@
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use axum::extract::{Request, State};
+use axum::extract::Request;
 use axum::http::header::{CONTENT_LENGTH, HOST, HeaderName, HeaderValue, ORIGIN};
 use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use tokio::time::timeout;
 
-use super::{BODY_MAX, Busy, Shared};
+use super::{BODY_MAX, Busy};
 
 /// A request has its answer within this.
 const ANSWER_WITHIN: Duration = Duration::from_secs(5);
@@ -29,7 +28,7 @@ const HEADERS: [(&str, &str); 6] = [
 
 /// Answers only what was asked of this computer's own name, from our own page: another site's page, or a name that was
 /// made to point here, gets nothing.
-pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
+pub(super) async fn guard(request: Request, next: Next) -> Response {
     let whose = request.uri().authority().map(ToString::to_string);
     let busy = request.extensions().get::<Busy>().cloned();
     let is = |answering: bool| {

@@ -130,7 +130,10 @@ fn run(arguments: &CampaignArguments) -> Result<u8> {
         warn!("a campaign does not read BACKSEAT__ variables: give keys in its file or with --set");
     }
     let (crew, folder) = arguments.open(&given)?;
-    warn_beyond(plan, &crew);
+    // One shard says it for all.
+    if arguments.shard.is_none_or(|shard| shard.of(plan.runs()).start == 0) {
+        warn_beyond(plan, &crew);
+    }
     let stop = Arc::new(Stop::default());
     stop_at_signals(&stop)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);

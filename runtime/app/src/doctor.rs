@@ -15,7 +15,7 @@ use serde_json::json;
 
 use crate::arguments::MissionArguments;
 use crate::check::machine::{LOG_ROOM, STATE_ROOM, writable};
-use crate::lock::read_components;
+use crate::lock::{program_sha256, read_components};
 use crate::output::say;
 use crate::run::host_and_port;
 use crate::state::State;
@@ -122,9 +122,7 @@ pub(crate) fn doctor(arguments: &Doctor) -> Result<bool> {
 }
 
 fn program() -> Finding {
-    let hash = std::env::current_exe()
-        .and_then(fs::read)
-        .map_or_else(|error| error.to_string(), |bytes| sha256(&bytes));
+    let hash = program_sha256().unwrap_or_else(|error| format!("{error:#}"));
     let build = if cfg!(feature = "simulation") {
         "complete"
     } else {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use backseat_fence::Rfc3339;
-use backseat_lock::{Contents, LOCK, Parts, PublicKey, SecretKey, create_keys, open, seal};
+use backseat_lock::{Contents, LOCK, Parts, PublicKey, SecretKey, create_keys, open, seal, sha256};
 use backseat_mission::Mission;
 use backseat_units::Utc;
 use clap::Args;
@@ -33,13 +33,24 @@ pub(crate) fn key(arguments: &Key) -> Result<bool> {
     Ok(true)
 }
 
+/// The SHA-256 of this program.
+pub(crate) fn program_sha256() -> Result<String> {
+    let bytes = std::env::current_exe().and_then(std::fs::read);
+    Ok(sha256(&bytes.context("the program's own file")?))
+}
+
 /// What of a mission is signed, as it was loaded.
-fn contents(mission: &Mission, components: &[(String, Vec<u8>)], by: &str, at: &str) -> Result<Contents> {
-    let read = |path: &Path| std::fs::read(path).with_context(|| path.display().to_string());
-    let program = std::env::current_exe().context("the program's own file")?;
+fn contents(
+    mission: &Mission,
+    components: &[(String, Vec<u8>)],
+    program_sha256: &str,
+    by: &str,
+    at: &str,
+) -> Result<Contents> {
+    let file = mission.folder.join("mission.toml");
     let parts = Parts {
         name: &mission.name,
-        file: &read(&mission.folder.join("mission.toml"))?,
+        file: &std::fs::read(&file).with_context(|| file.display().to_string())?,
         mission: &mission.resolved,
         fence: mission
             .other_fence()
@@ -47,7 +58,7 @@ fn contents(mission: &Mission, components: &[(String, Vec<u8>)], by: &str, at: &
             .as_bytes(),
         plan: mission.plan.as_ref().map(|plan| plan.text.as_str()),
         components,
-        program: &read(&program)?,
+        program_sha256,
     };
     Ok(Contents::of(&parts, by, at))
 }
@@ -64,7 +75,10 @@ pub(crate) fn signer(text: &str) -> Result<String, String> {
 /// Signs a mission, and writes its lock.
 pub(crate) fn sign(mission: &Mission, components: &[(String, Vec<u8>)], key: &Path, by: &str, now: Utc) -> Result<()> {
     let key = SecretKey::read(key)?;
-    let lock = seal(&contents(mission, components, by, &Rfc3339(now).to_string())?, &key);
+    let lock = seal(
+        &contents(mission, components, &program_sha256()?, by, &Rfc3339(now).to_string())?,
+        &key,
+    );
     let path = mission.folder.join(LOCK);
     std::fs::write(&path, lock).with_context(|| path.display().to_string())?;
     say!("signed: {}", path.display());
@@ -83,21 +97,47 @@ pub(crate) fn read_components(mission: &Mission, folder: Option<&Path>) -> Resul
         .collect()
 }
 
-/// Compares a mission that is going to run with its lock. Returns who signed it, and when.
-///
-/// # Errors
-///
-/// If somebody else signed it, or if something differs from what was signed.
-pub(crate) fn is_as_signed(mission: &Mission, components: &[(String, Vec<u8>)], key: &Path) -> Result<String> {
-    let path = mission.folder.join(LOCK);
-    let signed = open(&path, &PublicKey::read(key)?)?;
-    let loaded = contents(mission, components, "", "")?;
-    if let Some(difference) = signed.difference(&loaded) {
-        bail!(
-            "{}: {difference}: restore what {} signed, or check and sign anew",
-            path.display(),
-            signed.signed_by
-        );
+/// The lock of a mission that is going to run, signed by somebody whom the vehicle trusts.
+pub(crate) struct Locked {
+    path: PathBuf,
+    signed: Contents,
+    program_sha256: String,
+}
+
+impl Locked {
+    /// Reads the lock, and checks that this key has signed it.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read, or somebody else signed it.
+    pub(crate) fn read(mission: &Mission, key: &Path) -> Result<Self> {
+        let path = mission.folder.join(LOCK);
+        Ok(Self {
+            signed: open(&path, &PublicKey::read(key)?)?,
+            program_sha256: program_sha256()?,
+            path,
+        })
     }
-    Ok(format!("signed by {}, {}", signed.signed_by, signed.signed_at))
+
+    /// Compares what is going to run with what was signed. Returns who signed it, and when.
+    ///
+    /// # Errors
+    ///
+    /// If something differs.
+    pub(crate) fn compare(&self, mission: &Mission, components: &[(String, Vec<u8>)]) -> Result<String> {
+        let Self {
+            path,
+            signed,
+            program_sha256,
+        } = self;
+        let loaded = contents(mission, components, program_sha256, "", "")?;
+        if let Some(difference) = signed.difference(&loaded) {
+            bail!(
+                "{}: {difference}: restore what {} signed, or check and sign anew",
+                path.display(),
+                signed.signed_by
+            );
+        }
+        Ok(format!("signed by {}, {}", signed.signed_by, signed.signed_at))
+    }
 }

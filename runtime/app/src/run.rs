@@ -23,7 +23,7 @@ use crate::clock::Clock;
 use crate::external::Ports;
 use crate::helm::Helm;
 use crate::keeper::Keeper;
-use crate::lock::{is_as_signed, read_components};
+use crate::lock::{Locked, read_components};
 use crate::log::sources;
 use crate::log_room::{LogRoom, quota};
 use crate::operator::Signals;
@@ -94,19 +94,23 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         Ports::open(&mission.file.externals)?
     };
     let plugins = arguments.mission.plugins.as_deref();
-    if let Some(key) = &arguments.locked {
+    let locked = arguments
+        .locked
+        .as_ref()
+        .map(|key| Locked::read(&mission, key))
+        .transpose()?;
+    if let Some(locked) = &locked {
         // Nothing of a component runs before this.
-        is_as_signed(&mission, &read_components(&mission, plugins)?, key)?;
+        locked.compare(&mission, &read_components(&mission, plugins)?)?;
     }
     let host = host(&arguments.mission)?;
     // The cache is read and written before the loop begins, and a disk that hangs is waited for only briefly: a runtime
     // that starts again in the middle of a dive steers again sooner.
     let loaded = load_plugins(&host, &mission, plugins)?;
     // Once more, of the bytes that were loaded.
-    let signed = match &arguments.locked {
-        Some(key) => Some(is_as_signed(&mission, &loaded.components, key)?),
-        None => None,
-    };
+    let signed = locked
+        .map(|locked| locked.compare(&mission, &loaded.components))
+        .transpose()?;
     let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
     let identifiers = state.identifiers(arguments.first_identifier)?;

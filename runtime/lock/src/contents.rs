@@ -21,8 +21,8 @@ pub struct Parts<'a> {
     pub plan: Option<&'a str>,
     /// The plugins' names and components.
     pub components: &'a [(String, Vec<u8>)],
-    /// The program.
-    pub program: &'a [u8],
+    /// The SHA-256 of the program, which is large and hashed once.
+    pub program_sha256: &'a str,
 }
 
 /// The hashes of a mission's parts. All are SHA-256, hexadecimal.
@@ -64,7 +64,7 @@ impl Contents {
             limits_sha256: sha256(limits.as_bytes()),
             fence_sha256: sha256(parts.fence),
             plan_sha256: parts.plan.map(|plan| sha256(plan.as_bytes())),
-            program_sha256: sha256(parts.program),
+            program_sha256: parts.program_sha256.to_owned(),
             components: parts
                 .components
                 .iter()
@@ -148,7 +148,7 @@ mod tests {
             fence: b"{}",
             plan: Some("plan"),
             components: &components,
-            program: b"program",
+            program_sha256: "program",
         };
         let signed = Contents::of(&parts, "Ann", "then");
         let difference = |parts: Parts<'_>| signed.difference(&Contents::of(&parts, "Bob", "now"));
@@ -189,7 +189,7 @@ mod tests {
             ),
             (
                 Parts {
-                    program: b"another",
+                    program_sha256: "another",
                     ..parts
                 },
                 "the program differs",

@@ -17,6 +17,7 @@ use crate::lock::{sign, signer};
 use crate::output::{kib, say};
 use crate::run::host_and_port;
 use crate::state::State;
+use crate::swap::named_file;
 
 mod front_seat;
 pub(crate) mod machine;
@@ -55,6 +56,9 @@ pub(crate) struct Check {
     /// Who signs, for the lock and the log [default: the user's name]
     #[arg(long, value_name = "WHO", requires = "sign", value_parser = signer)]
     pub(crate) signer: Option<String>,
+    /// Sign also that the component in FILE may take the place of the plugin NAME in mid-dive (`backseat swap`)
+    #[arg(long, value_name = "NAME=FILE", requires = "sign", value_parser = named_file)]
+    pub(crate) may_swap: Vec<(String, PathBuf)>,
     /// Where the dive will keep identifiers and the operator's hold [default: the user's state folder]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
@@ -196,7 +200,14 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             Some(loaded) if good => {
                 let user = || std::env::var("USER").unwrap_or_else(|_| "somebody".to_owned());
                 let by = arguments.signer.clone().unwrap_or_else(user);
-                sign(&mission, &loaded.components, key, &by, clock.utc_at_start())?;
+                sign(
+                    &mission,
+                    &loaded.components,
+                    &arguments.may_swap,
+                    key,
+                    &by,
+                    clock.utc_at_start(),
+                )?;
             }
             Some(_) | None => say!("not signed"),
         }

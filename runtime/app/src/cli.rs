@@ -22,6 +22,7 @@ use crate::s7k::S7k;
 #[cfg(feature = "simulation")]
 use crate::sim::Sim;
 use crate::spi::Spi;
+use crate::swap::Swap;
 
 /// Let plugins steer a Bluefin vehicle inside a geofence, in simulation and at sea.
 #[derive(Debug, Parser)]
@@ -127,6 +128,17 @@ pub(crate) enum Command {
     /// Inspect, check, cut and convert recordings of the sonar payload (.s7k)
     #[command(subcommand)]
     S7k(S7k),
+    /// Put another version in the place of a plugin, in the middle of a dive
+    ///
+    /// The runtime that flies MISSION compiles FILE beside its loop, and lets it take over between two steps: it gets what
+    /// the version before says of its state (`snapshot`, `restore`), and the requests of that stay. In its first steps it is
+    /// on trial: if it fails, or is refused something for what it asks for, the version before comes back with its state,
+    /// and the lease ends until that asks again. Name the hash of FILE; a locked mission allows only what was signed for it
+    /// (`check --sign KEY --may-swap NAME=FILE`). The swap lasts as long as the run: a runtime that is started again begins
+    /// with the mission's component.
+    ///
+    /// Exit code: 0 if the version took over, 1 if not, 2 if it could not be tried.
+    Swap(Swap),
     /// Make a pair of keys, for `check --sign` and `run --locked`
     Key(Key),
     /// Explain a key of a mission's files, such as turn_rate_dps

@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use backseat_console::{About, Asked, Hub, Kind, Limits, Listener, Origin, Service, Teller, Token, serve};
 use backseat_mission::Mission;
 use backseat_units::Utc;
+use backseat_viewer::Feed;
 use clap::Args;
 use tokio::sync::mpsc::Receiver;
 use tracing::info;
@@ -14,12 +15,18 @@ use crate::state::State;
 
 /// Where the console is if no address is given.
 const ADDRESS: &str = "127.0.0.1:8480";
+/// Where viewers are served if no address is given: where Foxglove looks first.
+const VIEWERS: &str = "127.0.0.1:8765";
 
 #[derive(Debug, Args)]
 pub(crate) struct ConsoleArguments {
     /// Serve a web console at this address of this computer [without an address: 127.0.0.1:8480; port 0: a free one]
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = ADDRESS, value_parser = address)]
     console: Option<SocketAddr>,
+    /// Serve the log's channels live to Foxglove and Lichtblick at this address of this computer [without an address:
+    /// 127.0.0.1:8765]
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = VIEWERS, value_parser = address)]
+    foxglove: Option<SocketAddr>,
 }
 
 #[cfg(feature = "simulation")]
@@ -36,8 +43,18 @@ impl WatchArguments {
     /// Opens the port.
     pub(crate) fn open(&self) -> Result<Console> {
         let listener = self.watch.map(Listener::open).transpose();
-        Ok(Console(listener.context("--watch")?))
+        Ok(Console {
+            page: listener.context("--watch")?,
+            viewers: None,
+        })
     }
+}
+
+/// Serves the log's channels to viewers.
+fn viewers(address: SocketAddr, mission: &Mission, utc: Utc) -> Result<Feed> {
+    let (feed, address) = backseat_viewer::serve(address, &mission.name, utc.as_unix_nanos()).context("--foxglove")?;
+    info!("viewers: in Foxglove or Lichtblick open the connection ws://{address}");
+    Ok(feed)
 }
 
 fn about(kind: Kind, mission: &Mission, utc: Utc) -> About {
@@ -61,8 +78,13 @@ pub(crate) fn address(text: &str) -> Result<SocketAddr, String> {
         .map_err(|_| "expected an address of this computer, such as 127.0.0.1:8480, or a port".to_owned())
 }
 
-/// A console whose port is open.
-pub(crate) struct Console(Option<Listener>);
+/// What shows a run as it goes.
+pub(crate) struct Console {
+    /// The web console, whose port is open.
+    page: Option<Listener>,
+    /// Where viewers are served.
+    viewers: Option<SocketAddr>,
+}
 
 /// What the console and the loop have of each other.
 #[derive(Default)]
@@ -77,7 +99,10 @@ impl ConsoleArguments {
     /// Opens the port, so that a wrong one is found before the run begins.
     pub(crate) fn open(&self) -> Result<Console> {
         let listener = self.console.map(Listener::open).transpose();
-        Ok(Console(listener.context("--console")?))
+        Ok(Console {
+            page: listener.context("--console")?,
+            viewers: self.foxglove,
+        })
     }
 }
 
@@ -92,8 +117,14 @@ impl Console {
         utc: Utc,
         state: &State,
     ) -> Result<Attached> {
-        let Some(listener) = self.0 else {
-            return Ok(Attached::default());
+        let viewers = self.viewers.map(|address| viewers(address, mission, utc)).transpose()?;
+        let Some(listener) = self.page else {
+            return Ok(Attached {
+                listener: viewers.map(|viewers| -> backseat_recorder::Listener {
+                    Box::new(move |now, topic, data| viewers.tell(now, topic, data))
+                }),
+                asked: None,
+            });
         };
         let about = About {
             armed: Some(armed),
@@ -118,7 +149,12 @@ impl Console {
             path.display()
         );
         Ok(Attached {
-            listener: Some(Box::new(move |now, topic, data| feed.tell(now, topic, data))),
+            listener: Some(Box::new(move |now, topic, data| {
+                feed.tell(now, topic, data);
+                if let Some(viewers) = &viewers {
+                    viewers.tell(now, topic, data);
+                }
+            })),
             asked: Some(asked),
         })
     }
@@ -126,7 +162,7 @@ impl Console {
     /// Shows a simulation, which nobody can hold.
     #[cfg(feature = "simulation")]
     pub(crate) fn show(self, mission: &Mission, utc: Utc) -> Result<Option<backseat_recorder::Listener>> {
-        let Some(listener) = self.0 else { return Ok(None) };
+        let Some(listener) = self.page else { return Ok(None) };
         let about = About {
             armed: Some(true),
             ..about(Kind::Simulated, mission, utc)

@@ -35,6 +35,7 @@ use crate::operator::Signals;
 use crate::output::say;
 use crate::peer::listen;
 use crate::plc::controller::{Controller, Setup};
+use crate::run::shadow::Shadows;
 use crate::run::{Dive, log_in, names_requests, open_log};
 use crate::speed::Speed;
 use crate::state::State;
@@ -189,6 +190,8 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
             ports,
             state,
             recorder,
+            swaps: None,
+            shadows: Shadows::default(),
         };
         let (driver, inbox) = dive.begin()?;
         let flight = Arc::new(Flight::default());
@@ -301,7 +304,7 @@ fn print_report(report: &Report, log: &Path) -> Result<()> {
         report.sim_seconds / 60.0
     );
     say!(
-        "  {:.1} x life ({:.0} s)",
+        "  {:.1} x real time ({:.0} s)",
         report.sim_seconds / report.wall_seconds.max(1e-9),
         report.wall_seconds
     );

@@ -88,6 +88,9 @@ impl Helm {
             | Note::Malformed { .. }
             | Note::PluginFailed { .. }
             | Note::PluginRestarted { .. }
+            | Note::PluginSwap { .. }
+            | Note::PluginSwapped { .. }
+            | Note::PluginNotSwapped { .. }
             | Note::PluginLog { .. }
             | Note::PluginMeasure { .. }
             | Note::Operator { .. }
@@ -237,7 +240,7 @@ mod tests {
         let line = helm.noted(Timestamp::from_millis(100), &lost(Uncontrolled::OperatorHolds));
         assert_eq!(
             line.as_deref(),
-            Some("no control: the operator holds; to release, delete /state/hold or send SIGUSR2")
+            Some("no control: the operator's hold is set; to release, delete /state/hold or send SIGUSR2")
         );
         assert_eq!(
             helm.noted(Timestamp::from_millis(300), &lost(Uncontrolled::NavigationStale)),

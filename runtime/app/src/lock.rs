@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use backseat_fence::Rfc3339;
 use backseat_lock::{Contents, LOCK, Parts, PublicKey, SecretKey, create_keys, open, seal, sha256};
 use backseat_mission::Mission;
@@ -39,10 +39,36 @@ pub(crate) fn program_sha256() -> Result<String> {
     Ok(sha256(&bytes.context("the program's own file")?))
 }
 
+/// Components that may take the place of those of a mission in mid-dive, or step beside them, because the lock has them.
+#[derive(Debug)]
+pub(crate) struct Allowed {
+    path: PathBuf,
+    signed: Contents,
+}
+
+impl Allowed {
+    /// Checks that a component may take a plugin's place.
+    ///
+    /// # Errors
+    ///
+    /// If nobody signed that.
+    pub(crate) fn check(&self, plugin: &str, sha256: &str) -> Result<()> {
+        ensure!(
+            self.signed.may_swap(plugin, sha256),
+            "{}: {} did not sign that {} may take the place of {plugin}: check --sign KEY --may-swap {plugin}=FILE",
+            self.path.display(),
+            self.signed.signed_by,
+            &sha256[..12]
+        );
+        Ok(())
+    }
+}
+
 /// What of a mission is signed, as it was loaded.
 fn contents(
     mission: &Mission,
     components: &[(String, Vec<u8>)],
+    swaps: &[(String, Vec<u8>)],
     program_sha256: &str,
     by: &str,
     at: &str,
@@ -58,6 +84,7 @@ fn contents(
             .as_bytes(),
         plan: mission.plan.as_ref().map(|plan| plan.text.as_str()),
         components,
+        swaps,
         program_sha256,
     };
     Ok(Contents::of(&parts, by, at))
@@ -73,10 +100,36 @@ pub(crate) fn signer(text: &str) -> Result<String, String> {
 }
 
 /// Signs a mission, and writes its lock.
-pub(crate) fn sign(mission: &Mission, components: &[(String, Vec<u8>)], key: &Path, by: &str, now: Utc) -> Result<()> {
+pub(crate) fn sign(
+    mission: &Mission,
+    components: &[(String, Vec<u8>)],
+    may_swap: &[(String, PathBuf)],
+    key: &Path,
+    by: &str,
+    now: Utc,
+) -> Result<()> {
     let key = SecretKey::read(key)?;
+    let swaps = may_swap
+        .iter()
+        .map(|(name, file)| {
+            let option = || format!("--may-swap {name}={}", file.display());
+            ensure!(
+                mission.file.plugins.iter().any(|table| table.name == *name),
+                "{}: no plugin {name} in the mission",
+                option()
+            );
+            Ok((name.clone(), std::fs::read(file).with_context(option)?))
+        })
+        .collect::<Result<Vec<_>>>()?;
     let lock = seal(
-        &contents(mission, components, &program_sha256()?, by, &Rfc3339(now).to_string())?,
+        &contents(
+            mission,
+            components,
+            &swaps,
+            &program_sha256()?,
+            by,
+            &Rfc3339(now).to_string(),
+        )?,
         &key,
     );
     let path = mission.folder.join(LOCK);
@@ -119,6 +172,14 @@ impl Locked {
         })
     }
 
+    /// What else may run.
+    pub(crate) fn allowed(self) -> Allowed {
+        Allowed {
+            path: self.path,
+            signed: self.signed,
+        }
+    }
+
     /// Compares what is going to run with what was signed. Returns who signed it, and when.
     ///
     /// # Errors
@@ -130,7 +191,7 @@ impl Locked {
             signed,
             program_sha256,
         } = self;
-        let loaded = contents(mission, components, program_sha256, "", "")?;
+        let loaded = contents(mission, components, &[], program_sha256, "", "")?;
         if let Some(difference) = signed.difference(&loaded) {
             bail!(
                 "{}: {difference}: restore what {} signed, or check and sign anew",

@@ -60,6 +60,7 @@ mod spi;
 mod state;
 #[cfg(feature = "simulation")]
 mod surroundings;
+mod swap;
 mod terminal;
 
 use std::io::IsTerminal;
@@ -124,6 +125,7 @@ fn program() -> ExitCode {
         Command::Plugin(command) => plugin::plugin(command),
         Command::Spi(command) => spi::spi(command),
         Command::S7k(command) => s7k::s7k(command),
+        Command::Swap(arguments) => swap::swap(arguments),
         Command::Key(arguments) => lock::key(arguments),
         Command::Explain(arguments) => explain::explain(arguments),
         Command::Generate(arguments) => generate::generate(arguments),

@@ -6,14 +6,14 @@ use std::thread;
 use std::time::Duration;
 
 use backseat_core::Restarted;
-use backseat_core::plugin::{FaultKind, PluginFault, PluginId, Returned, StepInput};
-use backseat_plugin_host::{Host, PANICKED, Plugin};
+use backseat_core::plugin::{FaultKind, PluginFault, PluginId, Returned, StepInput, Version};
+use backseat_plugin_host::{Host, PANICKED, Plugin, Seat};
 use tokio::sync::mpsc::UnboundedSender;
 
 use crate::clock::{Clock, Working};
 
 /// Besides its fuel, a step may take this long by the wall clock before it is interrupted.
-const DEADLINE_TICKS: u64 = 100;
+pub(crate) const DEADLINE_TICKS: u64 = 100;
 const TICK: Duration = Duration::from_millis(10);
 /// The same as a time.
 #[cfg(feature = "plugin")]
@@ -23,31 +23,41 @@ pub(crate) const DEADLINE: Duration = Duration::from_millis(10 * DEADLINE_TICKS)
 pub(crate) enum Answer {
     Returned(PluginId, Returned),
     Restarted(PluginId, Restarted),
+    /// A version that took the plugin's place has passed its trial.
+    Passed(PluginId, Version),
 }
 
 enum Order {
     Step(Box<StepInput>),
     Restart,
+    /// A version takes the plugin's place at the next restart. This has no answer.
+    Offer(Box<Plugin>, Version),
 }
 
 /// What a thread runs: a plugin, or a test's substitute.
 pub(crate) trait Steps: Send + 'static {
     fn step(&mut self, input: &StepInput) -> Returned;
     fn restart(&mut self) -> Restarted;
+    fn offer(&mut self, plugin: Plugin, version: Version);
+    fn take_passed(&mut self) -> Option<Version>;
 }
 
-impl Steps for Plugin {
+impl Steps for Seat {
     fn step(&mut self, input: &StepInput) -> Returned {
         Self::step(self, input)
     }
 
     fn restart(&mut self) -> Restarted {
-        let restarted = Self::restart(self);
-        Restarted {
-            fuel: restarted.fuel,
-            lost_steps: restarted.lost_steps,
-            result: restarted.result,
-        }
+        Self::restart(self)
+    }
+
+    fn offer(&mut self, mut plugin: Plugin, version: Version) {
+        plugin.set_deadline_ticks(Some(DEADLINE_TICKS));
+        Self::offer(self, plugin, version);
+    }
+
+    fn take_passed(&mut self) -> Option<Version> {
+        Self::take_passed(self)
     }
 }
 
@@ -64,7 +74,7 @@ impl Crew {
     pub(crate) fn new(host: Host, plugins: Vec<Plugin>, clock: Clock, answers: UnboundedSender<Answer>) -> Self {
         let bounded = plugins.into_iter().map(|mut plugin| {
             plugin.set_deadline_ticks(Some(DEADLINE_TICKS));
-            Box::new(plugin) as Box<dyn Steps>
+            Box::new(Seat::new(plugin)) as Box<dyn Steps>
         });
         let crew = Self::of(bounded.collect(), clock, answers);
         thread::spawn(move || {
@@ -111,10 +121,18 @@ impl Crew {
         }
     }
 
+    /// Has this version take a plugin's place at its next restart.
+    pub(crate) fn offer(&mut self, plugin: PluginId, ready: Plugin, version: Version) {
+        // A thread that has ended answers the restart with a fault.
+        let _gone = self.orders[plugin.0].send(Order::Offer(Box::new(ready), version));
+    }
+
     /// The loop has the plugin's answer.
     pub(crate) fn answered(&mut self, answer: &Answer) {
-        let (Answer::Returned(plugin, _) | Answer::Restarted(plugin, _)) = answer;
-        self.working[plugin.0] = None;
+        match answer {
+            Answer::Returned(plugin, _) | Answer::Restarted(plugin, _) => self.working[plugin.0] = None,
+            Answer::Passed(..) => {}
+        }
     }
 }
 
@@ -135,7 +153,7 @@ impl Order {
                     result: Err(fault),
                 },
             ),
-            Self::Restart => Answer::Restarted(
+            Self::Restart | Self::Offer(..) => Answer::Restarted(
                 plugin,
                 Restarted {
                     fuel: 0,
@@ -152,10 +170,18 @@ impl Order {
 fn serve(id: PluginId, plugin: Box<dyn Steps>, orders: &mpsc::Receiver<Order>, answers: &UnboundedSender<Answer>) {
     let mut plugin = Some(plugin);
     while let Ok(order) = orders.recv() {
+        let order = match (order, &mut plugin) {
+            (Order::Offer(ready, version), Some(plugin)) => {
+                plugin.offer(*ready, version);
+                continue;
+            }
+            (Order::Offer(..), None) => continue,
+            (order, _) => order,
+        };
         let answered = plugin.as_mut().and_then(|plugin| {
             let act = AssertUnwindSafe(|| match &order {
                 Order::Step(input) => Answer::Returned(id, plugin.step(input)),
-                Order::Restart => Answer::Restarted(id, plugin.restart()),
+                Order::Restart | Order::Offer(..) => Answer::Restarted(id, plugin.restart()),
             });
             catch_unwind(act).ok()
         });
@@ -165,6 +191,10 @@ fn serve(id: PluginId, plugin: Box<dyn Steps>, orders: &mpsc::Receiver<Order>, a
         }
         if answers.send(answered.unwrap_or_else(|| order.lost(id))).is_err() {
             return;
+        }
+        if let Some(version) = plugin.as_mut().and_then(|plugin| plugin.take_passed()) {
+            // The loop may have ended.
+            let _gone = answers.send(Answer::Passed(id, version));
         }
     }
 }
@@ -187,6 +217,14 @@ mod tests {
         fn restart(&mut self) -> Restarted {
             unreachable!("a plugin that has panicked is not used again")
         }
+
+        fn offer(&mut self, _: Plugin, _: Version) {
+            unreachable!("nobody swaps it")
+        }
+
+        fn take_passed(&mut self) -> Option<Version> {
+            None
+        }
     }
 
     /// A plugin that requests nothing.
@@ -204,6 +242,14 @@ mod tests {
 
         fn restart(&mut self) -> Restarted {
             unreachable!("this plugin does not fail")
+        }
+
+        fn offer(&mut self, _: Plugin, _: Version) {
+            unreachable!("nobody swaps it")
+        }
+
+        fn take_passed(&mut self) -> Option<Version> {
+            None
         }
     }
 

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::thread;
 use std::time::Duration;
 
-use backseat_core::plugin::{Returned, StepInput};
+use backseat_core::plugin::{Returned, StepInput, Version};
 use backseat_core::{Core, Restarted, Start};
-use backseat_plugin_host::{Cache, Host};
+use backseat_plugin_host::{Cache, Host, Plugin, Seat};
 use backseat_recorder::{Header, Rate};
 use backseat_suite::{Behavior, Heard, Scripted, Signal, settle};
 use rustix::process::{getpid, kill_process};
@@ -22,6 +22,7 @@ use crate::operator::Signals;
 use crate::plugins::{Crew, Steps};
 use crate::recording::Recording;
 use crate::run::driver::{Around, Driver, Inbox};
+use crate::run::shadow::Shadows;
 
 /// The machine may be busy.
 const SOON: Duration = Duration::from_secs(30);
@@ -36,6 +37,14 @@ impl Steps for Panics {
 
     fn restart(&mut self) -> Restarted {
         panic!("the test panics in a restart")
+    }
+
+    fn offer(&mut self, _: Plugin, _: Version) {
+        panic!("the test panics in a swap")
+    }
+
+    fn take_passed(&mut self) -> Option<Version> {
+        None
     }
 }
 
@@ -108,7 +117,7 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
     };
     let mut plugins: Vec<Box<dyn Steps>> = Vec::new();
     for plugin in loaded.plugins {
-        plugins.push(Box::new(plugin));
+        plugins.push(Box::new(Seat::new(plugin)));
     }
     plugins[1] = Box::new(Panics);
     let names = loaded.setups.iter().map(|setup| setup.name.clone()).collect();
@@ -129,6 +138,8 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
         recorder: Recording::to(Panics, "a log".to_owned(), &header).unwrap(),
         sonars: None,
         helm: Helm::new(true, PathBuf::from("hold"), 1.0),
+        swaps: None,
+        shadows: Shadows::default(),
     };
     let driver = Driver::new(core, clock, vehicle.address.clone(), around, names);
 

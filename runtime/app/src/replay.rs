@@ -78,7 +78,12 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
         Playback::new(task, &host_with(!arguments.no_cache)?, given, arguments.steps).with_context(named)?;
     let load_seconds = loading.elapsed().as_secs_f64();
     let playing = Clock::start();
+    let mut attached = log.attachments().len();
     while let Some(message) = log.next_message()? {
+        for attachment in &log.attachments()[attached..] {
+            playback.attach(&attachment.data);
+        }
+        attached = log.attachments().len();
         if playback.take(message).with_context(named)? == Flow::Over {
             break;
         }
@@ -147,7 +152,7 @@ fn print(arguments: &Replay, report: &Report, wall_seconds: f64, load_seconds: f
     if let Some(first) = lines.next() {
         say!("{}: {first}", arguments.log.display());
     }
-    say!("  {speed:.0} x life ({wall_seconds:.2} s, and {load_seconds:.2} s to load plugins)");
+    say!("  {speed:.0} x real time ({wall_seconds:.2} s, and {load_seconds:.2} s to load plugins)");
     if report.version != env!("CARGO_PKG_VERSION") {
         say!(
             "  version {} wrote the log, and this is version {}",

@@ -2,9 +2,12 @@
 
 pub(crate) mod driver;
 mod notes;
+pub(crate) mod shadow;
+pub(crate) mod swaps;
 
 use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use backseat_core::{Core, Grant, Start};
@@ -31,8 +34,11 @@ use crate::owner::explained;
 use crate::plugins::Crew;
 use crate::recording::Recording;
 use crate::run::driver::{Around, Driver, Inbox};
+use crate::run::shadow::Shadows;
+use crate::run::swaps::Swaps;
 use crate::sonar::Sonars;
 use crate::state::State;
+use crate::swap::named_file;
 
 #[derive(Debug, Args)]
 pub(crate) struct Run {
@@ -62,6 +68,10 @@ pub(crate) struct Run {
     // 0 means none on the wire (SPI 6.21); the upper bound leaves room for every request of a mission.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=2_000_000_000))]
     pub(crate) first_identifier: Option<u32>,
+    /// Step the component in FILE beside the plugin NAME, on the same inputs; what it asks for is judged and logged, and
+    /// never sent
+    #[arg(long = "shadow", value_name = "NAME=FILE", value_parser = named_file)]
+    pub(crate) shadows: Vec<(String, PathBuf)>,
     #[cfg(feature = "console")]
     #[command(flatten)]
     pub(crate) console: crate::console::ConsoleArguments,
@@ -82,7 +92,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     if let Some(set) = arguments.mission.world_sets().first() {
         bail!("--set {set}: only simulations read world.toml: leave it out");
     }
-    let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
+    let mission = Arc::new(Mission::load(&arguments.mission.mission, &arguments.mission.layers())?);
     let address = match &arguments.connect {
         Some(address) => host_and_port(address, "--connect")?,
         None => host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address")?,
@@ -109,8 +119,11 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let loaded = load_plugins(&host, &mission, plugins)?;
     // Once more, of the bytes that were loaded.
     let signed = locked
+        .as_ref()
         .map(|locked| locked.compare(&mission, &loaded.components))
         .transpose()?;
+    let allowed = locked.map(Locked::allowed);
+    let shadows = Shadows::start(&arguments.shadows, &host, &mission, allowed.as_ref())?;
     let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
     let identifiers = state.identifiers(arguments.first_identifier)?;
@@ -160,6 +173,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         let text = format!("locked: {signed}");
         recorder.record(Timestamp::ZERO, |recorder| recorder.asked(Timestamp::ZERO, &text));
     }
+    let swaps = Swaps::start(&folder, host.clone(), Arc::clone(&mission), &loaded.setups, allowed)?;
     let dive = Dive {
         mission: &mission,
         start,
@@ -171,6 +185,8 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         ports,
         state,
         recorder,
+        swaps: Some(swaps),
+        shadows,
     };
     let (driver, inbox) = dive.begin()?;
     runtime.block_on(driver.drive(inbox, heard, signals))?;
@@ -191,6 +207,8 @@ pub(crate) struct Dive<'a> {
     pub(crate) ports: Ports,
     pub(crate) state: State,
     pub(crate) recorder: Recording,
+    pub(crate) swaps: Option<Swaps>,
+    pub(crate) shadows: Shadows,
 }
 
 impl Dive<'_> {
@@ -212,6 +230,8 @@ impl Dive<'_> {
             keeper: Keeper::start(self.state, start.held, keeps)?,
             recorder: self.recorder,
             sonars: Sonars::start(self.mission, clock)?,
+            swaps: self.swaps,
+            shadows: self.shadows,
         };
         let driver = Driver::new(core, clock, self.address, around, names);
         Ok((driver, Inbox { answers, kept }))

@@ -324,7 +324,7 @@ fn show(progress: &ProgressBar, simulation: &Simulation, clock: &Clock) {
     let wall_s = clock.elapsed().as_secs_f64().max(1e-9);
     let truth = simulation.truth();
     progress.set_message(format!(
-        "{:.0} min simulated, {:.0} x life: depth {:.1} m over {:.1} m of water, {} requests sent",
+        "{:.0} min simulated, {:.0} x real time: depth {:.1} m over {:.1} m of water, {} requests sent",
         sim_s / 60.0,
         sim_s / wall_s,
         truth.depth_m,
@@ -347,7 +347,7 @@ fn print_report(report: &Report, faults: &FaultPlan, arguments: &Sim) -> Result<
     } = report;
     say!("{mission}, seed {seed}: {outcome} after {:.1} min", sim_seconds / 60.0);
     say!(
-        "  {:.0} x life ({wall_seconds:.2} s, and {load_seconds:.2} s to load plugins)",
+        "  {:.0} x real time ({wall_seconds:.2} s, and {load_seconds:.2} s to load plugins)",
         sim_seconds / wall_seconds.max(1e-9)
     );
     say!("  requests: {requests}");
@@ -369,6 +369,9 @@ fn print_report(report: &Report, faults: &FaultPlan, arguments: &Sim) -> Result<
                 first.text
             ),
             None => say!("  plugin {plugin} failed {times}"),
+        }
+        if let Some(at_s) = report.plugin_quarantines.get(plugin) {
+            say!("  plugin {plugin} was quarantined at {at_s:.1} s: it failed too often");
         }
     }
     for measured in report.measured() {

@@ -76,6 +76,17 @@ impl State {
         }
     }
 
+    /// Whether a runtime uses a folder.
+    pub(crate) fn is_in_use(folder: &Path) -> Result<bool> {
+        let path = folder.join(LOCK);
+        let lock = match fs::File::open(&path) {
+            Ok(lock) => lock,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
+            Err(error) => return Err(explained(&path, error)),
+        };
+        Ok(matches!(lock.try_lock_shared(), Err(fs::TryLockError::WouldBlock)))
+    }
+
     /// Makes sure that the folder belongs to this vehicle.
     fn claim(&self, vehicle: Option<&str>) -> Result<()> {
         let path = self.folder.join(VEHICLE);

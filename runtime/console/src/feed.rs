@@ -83,7 +83,7 @@ impl Feed {
 pub fn wants(topic: &str, data: &[u8]) -> bool {
     match topic {
         "/link/from_vehicle" | "/link/to_vehicle" | "/notes" | "/requests" | "/control" | "/navigation" | "/truth"
-        | "/log" | "/map/plan" | "/map/inserts" | "/map/requests" => true,
+        | "/log" | "/map/plan" | "/map/reach" | "/map/inserts" | "/map/requests" => true,
         "/core/input" => data.starts_with(br#"{"input":"returned""#) || data.starts_with(br#"{"input":"link"#),
         other => other.starts_with("/measures/") || other.starts_with("/sensors/"),
     }

@@ -150,6 +150,19 @@ pub enum Item {
         /// The layer.
         geojson: Value,
     },
+    /// Where the live modify can lead: all places within a radius of a line. A radius of 0: nothing steers any more.
+    Reach {
+        /// Latitude of the vehicle.
+        lat: f64,
+        /// Longitude of the vehicle.
+        lon: f64,
+        /// Latitude of the end of the line.
+        ahead_lat: f64,
+        /// Longitude of the end of the line.
+        ahead_lon: f64,
+        /// Metres.
+        radius_m: f64,
+    },
     /// The operator acted.
     Operator {
         /// `hold`, `release`, `stop` or `order`.

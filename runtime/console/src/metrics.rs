@@ -199,6 +199,7 @@ impl Metrics {
             | Item::Line { .. }
             | Item::Sensor { .. }
             | Item::Map { .. }
+            | Item::Reach { .. }
             | Item::Operator { .. }
             | Item::Sonar { .. }
             | Item::Truth { .. }
@@ -267,6 +268,29 @@ mod tests {
             "# EOF",
         ] {
             assert!(text.contains(line), "{line} is not in\n{text}");
+        }
+    }
+
+    /// The dashboard of the docs asks for metrics that there are.
+    #[test]
+    fn the_dashboard_shows_what_is_measured() {
+        let dashboard = include_str!("../../docs/grafana.json");
+        let dashboard: serde_json::Value = serde_json::from_str(dashboard).unwrap();
+        let panels = dashboard["panels"].as_array().unwrap();
+        assert!(panels.len() > 10);
+        for panel in panels {
+            for target in panel["targets"].as_array().unwrap() {
+                let expression = target["expr"].as_str().unwrap();
+                let begin = expression.find("backseat_").unwrap();
+                let name: String = expression[begin..]
+                    .chars()
+                    .take_while(|letter| letter.is_ascii_alphanumeric() || *letter == '_')
+                    .collect();
+                // A counter is registered without its suffix. One without a value is not in a scrape.
+                let registered = name.trim_start_matches("backseat_").trim_end_matches("_total");
+                let source = include_str!("metrics.rs");
+                assert!(source.contains(&format!("\"{registered}\"")), "{name} is not measured");
+            }
         }
     }
 }

@@ -168,6 +168,7 @@ impl Teller {
                 tell(t, Item::Line { level, who, text }, true);
             }
             "/map/plan" => layer(t, "plan", &value, tell),
+            "/map/reach" => tell(t, reach(&value), true),
             "/map/inserts" => layer(t, "inserts", &value, tell),
             "/map/requests" => layer(t, "requests", &value, tell),
             "/truth" => {
@@ -318,7 +319,7 @@ impl Teller {
                 };
                 item
             }
-            "plugin-failed" | "plugin-restarted" => {
+            "plugin-failed" | "plugin-restarted" | "plugin-swapped" => {
                 let plugin = value["plugin"].as_u64().and_then(|plugin| usize::try_from(plugin).ok());
                 let Some(member) = plugin.and_then(|plugin| self.plugins.get_mut(plugin)) else {
                     return;
@@ -361,6 +362,23 @@ fn layer(t: f64, layer: &'static str, value: &Value, tell: &mut impl FnMut(f64, 
         .and_then(|text| serde_json::from_str(text).ok());
     if let Some(geojson) = geojson {
         tell(t, Item::Map { layer, geojson }, true);
+    }
+}
+
+fn reach(value: &Value) -> Item {
+    let geojson = value["geojson"].as_str();
+    let geojson: Value = geojson
+        .and_then(|text| serde_json::from_str(text).ok())
+        .unwrap_or_default();
+    let reach = &geojson["features"][0]["properties"];
+    let figure = |value: &Value| value.as_f64().filter(|value| value.is_finite()).unwrap_or(0.0);
+    let degrees = |name: &str, axis: usize| figure(&reach[name][axis]);
+    Item::Reach {
+        lat: degrees("here", 1),
+        lon: degrees("here", 0),
+        ahead_lat: degrees("ahead", 1),
+        ahead_lon: degrees("ahead", 0),
+        radius_m: figure(&reach["radius_m"]),
     }
 }
 

@@ -21,7 +21,7 @@ use crate::context::Context;
 use crate::ended::EndCause;
 use crate::io::{Input, Note, Output, Reservation, Start};
 use crate::ledger::RequestCounts;
-use crate::monitor::envelope::Envelope;
+use crate::monitor::envelope::{Envelope, LeaseReach};
 use crate::mutations::{Check, is_on};
 use crate::operator::Orders;
 use crate::plugin::Event;
@@ -97,6 +97,7 @@ impl Core {
             Input::Received(bytes) => self.receive(bytes),
             Input::Returned(plugin, returned) => self.returned(plugin, returned),
             Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
+            Input::Swap(plugin, version) => self.swap(plugin, version),
             Input::Operator(act) => self.orders.act(&mut self.cx, &mut self.capabilities, act),
             Input::External(source, bytes) => external::received(&mut self.cx, &mut self.capabilities, source, bytes),
             Input::Sonar(report) => self.capabilities.sonar.reported(&mut self.cx, report),
@@ -156,6 +157,12 @@ impl Core {
     #[must_use]
     pub fn is_steering(&self) -> bool {
         self.cx.arbiter.is_steering()
+    }
+
+    /// Where the live modify can lead, as it is judged at each refresh; `None` without one, or without fresh navigation.
+    #[must_use]
+    pub fn reach(&self) -> Option<LeaseReach> {
+        self.capabilities.modify.reach(&self.cx)
     }
 
     /// How many requests have not ended.

@@ -11,7 +11,7 @@ use crate::ended::Ended;
 use crate::ledger::Transition;
 use crate::order::Order;
 use crate::owner::{ExternalId, Owner};
-use crate::plugin::{LogLine, Measure, PluginFault, PluginId, RequestState, Returned, StepInput};
+use crate::plugin::{LogLine, Measure, PluginFault, PluginId, RequestState, Returned, StepInput, Version};
 use crate::refusal::Uncontrolled;
 
 pub use sonar::{FromSonar, SonarOrder, SonarOutcome, SonarRates, ToSonar};
@@ -29,6 +29,8 @@ pub enum Input<'a> {
     Returned(PluginId, Returned),
     /// A plugin was restarted, or could not be.
     Restarted(PluginId, Restarted),
+    /// The operator puts another version in a plugin's place. The driver has it ready: the next restart takes it.
+    Swap(PluginId, Version),
     /// An act of the operator.
     Operator(Operator),
     /// Bytes from an external source, cut anywhere.
@@ -86,7 +88,8 @@ pub enum Output {
     External(ExternalId, Vec<u8>),
     /// What the client of the sonars is asked to do.
     Sonar(ToSonar),
-    /// Make a new instance of a plugin from its last snapshot.
+    /// Make a new instance of a plugin from its last snapshot; of the version that the operator has put in its place, if
+    /// there is one.
     Restart(PluginId),
     /// Write on disk which identifiers and inserts may be used, so that the next process knows it.
     Reserve(Reservation),
@@ -184,6 +187,25 @@ pub enum Note {
     PluginRestarted {
         /// Which.
         plugin: PluginId,
+    },
+    /// The operator puts another version in a plugin's place.
+    PluginSwap {
+        /// Which.
+        plugin: PluginId,
+        /// The version.
+        to: Version,
+    },
+    /// The version that the operator has put in a plugin's place steps from now on.
+    PluginSwapped {
+        /// Which.
+        plugin: PluginId,
+    },
+    /// The version that the operator wanted was not taken, and the one before it goes on.
+    PluginNotSwapped {
+        /// Which.
+        plugin: PluginId,
+        /// Why.
+        text: String,
     },
     /// A line that a plugin logged.
     PluginLog {
@@ -302,6 +324,11 @@ impl fmt::Display for Told<'_> {
                 write!(f, "{} failed ({:?}): {}; {then}", who(plugin), fault.kind, fault.text)
             }
             N::PluginRestarted { plugin } => write!(f, "{} works again", who(plugin)),
+            N::PluginSwap { plugin, to } => write!(f, "{}: swap to version {to}", who(plugin)),
+            N::PluginSwapped { plugin } => write!(f, "{}: swapped", who(plugin)),
+            N::PluginNotSwapped { plugin, text } => {
+                write!(f, "{}: not swapped, the version before goes on: {text}", who(plugin))
+            }
             N::PluginLog { plugin, line } => write!(f, "{} says: {}", who(plugin), line.text),
             N::PluginMeasure { plugin, measure } => {
                 let Measure { name, value, unit } = measure;

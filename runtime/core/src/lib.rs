@@ -55,7 +55,7 @@ pub use io::{
     SonarRates, Start, ToSonar,
 };
 pub use ledger::{RequestCounts, RequestKind, Transition};
-pub use monitor::envelope::Envelope;
+pub use monitor::envelope::{Envelope, LeaseReach};
 pub use monitor::limits::integrity::IntegrityLimits;
 pub use monitor::limits::plugin::PluginLimits;
 pub use monitor::limits::station::{BottomBox, HullBox, StationLimits};

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::ended::{EndCause, EndKind, Ended, Failure, FrameOutcome};
 pub use crate::refusal::{Refusal, Rule};
+pub use slots::QUARANTINED;
 
 mod request;
 mod sample;
@@ -330,6 +331,31 @@ pub enum FaultKind {
     Overflow,
     /// It could not be started again.
     Start,
+    /// It is a new version on trial and has failed, or was refused something: the version before it comes back.
+    Trial,
+}
+
+/// A version that the operator puts in the place of a plugin's present one.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Version {
+    /// As the component says it.
+    pub version: String,
+    /// The component's SHA-256, hexadecimal.
+    pub sha256: String,
+    /// If it fails or is refused something in this many steps, the version before it comes back.
+    pub trial_steps: u32,
+}
+
+impl std::fmt::Display for Version {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{} ({}), {} steps on trial",
+            self.version,
+            self.sha256.get(..12).unwrap_or(&self.sha256),
+            self.trial_steps
+        )
+    }
 }
 
 /// Answers a plugin's call of the `fence` import: a pure function of the immutable envelope and the step's input.

@@ -56,6 +56,10 @@ pub enum Refusal {
     },
     /// The way back from a waiting insert onto what this request would interrupt is refused.
     WayBack(Box<Refusal>),
+    /// The way to the request's geometry is refused.
+    WayTo(Box<Refusal>),
+    /// The way from the request's geometry back to the plan is refused.
+    WayOn(Box<Refusal>),
 }
 
 /// The rule of the safety monitor that refuses a request. Plugins branch on it.
@@ -216,7 +220,7 @@ impl Refusal {
             Self::State(reason) | Self::Until { reason, .. } => reason.rule(),
             Self::CommandInText { .. } | Self::Unwritable(_) => Rule::Text,
             Self::Delays { .. } => Rule::Time,
-            Self::WayBack(refusal) => refusal.rule(),
+            Self::WayBack(refusal) | Self::WayTo(refusal) | Self::WayOn(refusal) => refusal.rule(),
         }
     }
 
@@ -231,7 +235,7 @@ impl Refusal {
             Self::CommandInText { .. } => "command-in-text",
             Self::Unwritable(_) => "unwritable",
             Self::Delays { .. } => "delays",
-            Self::WayBack(refusal) => refusal.cause(),
+            Self::WayBack(refusal) | Self::WayTo(refusal) | Self::WayOn(refusal) => refusal.cause(),
             Self::Zone(_) | Self::Box(_) | Self::NotGranted(_) => self.rule().name(),
         }
     }
@@ -319,18 +323,29 @@ impl Refusal {
             Self::CommandInText { .. } => "a command's name in the text".to_owned(),
             Self::Unwritable(_) => "it cannot be written as a sentence".to_owned(),
             Self::Delays { .. } => "it would delay an insert".to_owned(),
-            Self::Uncontrolled(_) | Self::NotGranted(_) | Self::State(_) | Self::WayBack(_) => {
-                self.detail().to_string()
-            }
+            Self::Uncontrolled(_)
+            | Self::NotGranted(_)
+            | Self::State(_)
+            | Self::WayBack(_)
+            | Self::WayTo(_)
+            | Self::WayOn(_) => self.detail().to_string(),
         }
     }
 
     fn innermost(&self) -> &Self {
-        if let Self::WayBack(refusal) = self {
+        if let Self::WayBack(refusal) | Self::WayTo(refusal) | Self::WayOn(refusal) = self {
             refusal.innermost()
         } else {
             self
         }
+    }
+
+    pub(crate) fn on_the_way_to(self) -> Self {
+        Self::WayTo(Box::new(self))
+    }
+
+    pub(crate) fn on_the_way_on(self) -> Self {
+        Self::WayOn(Box::new(self))
     }
 }
 
@@ -375,6 +390,8 @@ impl fmt::Display for Detail<'_> {
                 )
             }
             Refusal::WayBack(refusal) => write!(f, "on the way back from a waiting insert: {}", refusal.detail()),
+            Refusal::WayTo(refusal) => write!(f, "on the way to it: {}", refusal.detail()),
+            Refusal::WayOn(refusal) => write!(f, "on the way back to the plan: {}", refusal.detail()),
         }
     }
 }

@@ -483,7 +483,7 @@ impl Session {
             cx.outbox.push(Output::ResetLink);
         } else {
             cx.note(Note::Text {
-                text: "no navigation for 5 s: subscribing again".to_owned(),
+                text: "no navigation for 5 s: the subscriptions are sent again".to_owned(),
             });
             cx.link.subscriptions.doubt_all();
             self.subscribe_all(cx);

@@ -193,7 +193,7 @@ pub enum FenceError {
         east: f64,
     },
     /// A fence that is too wide for one plane.
-    #[error("{place}: farthest out in a fence {across_km:.1} km across, expected at most {limit_km} km")]
+    #[error("{place}: the fence is {across_km:.1} km across, expected at most {limit_km} km, and this is farthest out")]
     TooWide {
         /// The vertex or feature that is farthest from the middle of all.
         place: String,

@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -21,6 +21,8 @@ pub struct Parts<'a> {
     pub plan: Option<&'a str>,
     /// The plugins' names and components.
     pub components: &'a [(String, Vec<u8>)],
+    /// Other components that may take their places in mid-dive, by the plugins' names.
+    pub swaps: &'a [(String, Vec<u8>)],
     /// The SHA-256 of the program, which is large and hashed once.
     pub program_sha256: &'a str,
 }
@@ -47,6 +49,9 @@ pub struct Contents {
     program_sha256: String,
     /// By plugin.
     components: BTreeMap<String, String>,
+    /// By plugin.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    swaps: BTreeMap<String, BTreeSet<String>>,
 }
 
 impl Contents {
@@ -70,7 +75,16 @@ impl Contents {
                 .iter()
                 .map(|(name, bytes)| (name.clone(), sha256(bytes)))
                 .collect(),
+            swaps: swaps(parts.swaps),
         }
+    }
+
+    /// Whether this component, which is named by its SHA-256, may take a plugin's place in mid-dive: the one that was signed
+    /// for it, or another that was.
+    #[must_use]
+    pub fn may_swap(&self, plugin: &str, sha256: &str) -> bool {
+        let flies = self.components.get(plugin).is_some_and(|signed| signed == sha256);
+        flies || self.swaps.get(plugin).is_some_and(|signed| signed.contains(sha256))
     }
 
     /// Whether this version of the program reads the lock.
@@ -116,6 +130,14 @@ impl Contents {
     }
 }
 
+fn swaps(components: &[(String, Vec<u8>)]) -> BTreeMap<String, BTreeSet<String>> {
+    let mut swaps: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (name, bytes) in components {
+        swaps.entry(name.clone()).or_default().insert(sha256(bytes));
+    }
+    swaps
+}
+
 /// A mission without its limits, and its limits, so that a difference has a name.
 fn split(mission: &str) -> (String, String) {
     let Ok(mut table) = mission.parse::<toml::Table>() else {
@@ -141,6 +163,7 @@ mod tests {
     #[test]
     fn each_part_that_differs_has_its_name() {
         let components = [("isobath".to_owned(), vec![1, 2, 3])];
+        let others = [("isobath".to_owned(), vec![1, 2, 4])];
         let parts = Parts {
             name: "m",
             file: b"file",
@@ -148,12 +171,20 @@ mod tests {
             fence: b"{}",
             plan: Some("plan"),
             components: &components,
+            swaps: &others,
             program_sha256: "program",
         };
         let signed = Contents::of(&parts, "Ann", "then");
         let difference = |parts: Parts<'_>| signed.difference(&Contents::of(&parts, "Bob", "now"));
         assert_eq!(difference(parts), None);
-        let others = [("isobath".to_owned(), vec![1, 2, 4])];
+        for (plugin, bytes, may) in [
+            ("isobath", [1, 2, 3], true),
+            ("isobath", [1, 2, 4], true),
+            ("isobath", [1, 2, 5], false),
+            ("plume", [1, 2, 4], false),
+        ] {
+            assert_eq!(signed.may_swap(plugin, &sha256(&bytes)), may, "{plugin} {bytes:?}");
+        }
         for (parts, words) in [
             (Parts { name: "n", ..parts }, "it is of the mission m"),
             (

@@ -62,6 +62,7 @@ mod tests {
             fence: b"{}",
             plan: None,
             components: &[("p".to_owned(), vec![1])],
+            swaps: &[],
             program_sha256: "program",
         };
         Contents::of(&parts, "Ann \"the\" captain", "2026-06-01T08:00:00Z")

@@ -84,7 +84,14 @@ pub enum MvcEventKind {
     /// A behavior ended.
     BehaviorEnded(Behavior, EndReason),
     /// A payload began to modify the current behavior, or changed the values of its modify.
-    Modify(ClientId, ModifyValues),
+    Modify {
+        /// The payload.
+        client: ClientId,
+        /// What it asks for.
+        values: ModifyValues,
+        /// What the vehicle does not fly of it, in words; empty if it flies all of it.
+        clipped: Text,
+    },
     /// A payload's modify was refused, and why. There is one event for all repetitions.
     ModifyRefused(ClientId, &'static str),
     /// The modify ended.
@@ -197,7 +204,17 @@ impl fmt::Display for MvcEventKind {
             Self::Control(false) => f.write_str("control taken back"),
             Self::BehaviorBegan(behavior) => write!(f, "{behavior} began"),
             Self::BehaviorEnded(behavior, reason) => write!(f, "{behavior} ended: {reason}"),
-            Self::Modify(client, values) => write!(f, "{client} modifies the behavior: {values}"),
+            Self::Modify {
+                client,
+                values,
+                clipped,
+            } => {
+                write!(f, "{client} modifies the behavior: {values}")?;
+                if clipped.as_str().is_empty() {
+                    return Ok(());
+                }
+                write!(f, " ({clipped})")
+            }
             Self::ModifyRefused(client, why) => write!(f, "modify of {client} refused: {why}"),
             Self::ModifyEnded(why) => write!(f, "modify ended: {why}"),
             Self::InsertAccepted(client, id) => write!(f, "insert {id} of {client} accepted"),

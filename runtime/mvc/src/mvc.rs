@@ -203,7 +203,9 @@ impl Mvc {
                 let name = received.name();
                 match received {
                     Received::Command(command) => self.command(now, client, command),
-                    Received::Malformed(name, text) => self.server.malformed(now, client, name, text.as_str()),
+                    Received::Malformed(name, created, text) => {
+                        self.server.malformed(now, client, (name, created), text.as_str());
+                    }
                 }
                 self.settle(now);
                 self.see_command(now, name);

@@ -297,12 +297,18 @@ impl Server {
         self.acknowledge(now, re, AckStatus::Invalid, text);
     }
 
-    /// Answers a command that does not parse. The answer names the command, but does not repeat its time.
-    pub(crate) fn malformed(&mut self, now: Timestamp, client: ClientId, command: CommandName, text: &str) {
+    /// Answers a command that does not parse. The answer names the command, and repeats its time if that can be read.
+    pub(crate) fn malformed(
+        &mut self,
+        now: Timestamp,
+        client: ClientId,
+        (command, created): (CommandName, TimeOfDay),
+        text: &str,
+    ) {
         let re = Regarding {
             client,
             command,
-            created: TimeOfDay::MIDNIGHT,
+            created,
             behavior: None,
             muted: false,
         };
@@ -328,7 +334,7 @@ impl Server {
         self.malformed(
             now,
             client,
-            CommandName::NAK,
+            (CommandName::NAK, TimeOfDay::MIDNIGHT),
             "no header of a command matches this line",
         );
     }
@@ -388,7 +394,7 @@ impl Server {
 }
 
 /// A time as sentences have it, `hhmmss.sss`.
-fn time_of_day(field: &str) -> Option<TimeOfDay> {
+pub(super) fn time_of_day(field: &str) -> Option<TimeOfDay> {
     let (hour, minute, second) = (field.get(..2)?, field.get(2..4)?, field.get(4..)?);
     format!("{hour}:{minute}:{second}").parse().ok()
 }

@@ -247,7 +247,9 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
             let refused = state.limits.refused.map(|refused| state.limits.describe(refused));
             cut(&format!("{}: {text}", refused.unwrap_or_default())).to_owned()
         }
-        FaultKind::Trap | FaultKind::Error | FaultKind::Overflow | FaultKind::Start => cut(&text).to_owned(),
+        FaultKind::Trap | FaultKind::Error | FaultKind::Overflow | FaultKind::Start | FaultKind::Trial => {
+            cut(&text).to_owned()
+        }
     };
     PluginFault { kind, text }
 }

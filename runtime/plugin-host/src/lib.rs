@@ -42,6 +42,7 @@ mod lines;
 mod measures;
 mod meter;
 mod plugin;
+mod seat;
 mod v0_1_0;
 mod v0_2_0;
 
@@ -55,3 +56,4 @@ pub use instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL};
 pub use interface::Interface;
 pub use meter::{Meter, Stopwatch, Usage};
 pub use plugin::{PANICKED, Plugin, Restarted, Started};
+pub use seat::Seat;

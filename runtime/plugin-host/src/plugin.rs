@@ -24,7 +24,7 @@ pub(crate) const DEADLINE: &str = "ran past its deadline";
 /// have no sensible bound.
 const STOPPED_FUEL: u64 = 5_000_000_000;
 /// Before the text of a snapshot's fault.
-const OF_SNAPSHOT: &str = "snapshot: ";
+pub(crate) const OF_SNAPSHOT: &str = "snapshot: ";
 
 /// A plugin that is running, or has failed and waits to be restarted.
 pub struct Plugin {
@@ -317,6 +317,45 @@ impl Plugin {
             }),
             lost_steps: self.inputs_since_snapshot,
         }
+    }
+
+    /// Hands its state to a version that takes its place: what it says of its state now, or its last snapshot if it is
+    /// not running or does not answer. Returns the fuel used. `stops` repeats a recorded run in which the wall-clock limit
+    /// ended the snapshot.
+    pub(crate) fn hand_over(&mut self, to: &mut Self, stops: bool) -> u64 {
+        let mut fuel = 0;
+        if let Some(instance) = &mut self.instance {
+            let taken = if stops && self.inputs_since_snapshot > 0 {
+                Called {
+                    fuel: self.budget.fuel_snapshot,
+                    result: Err(deadline()),
+                }
+            } else {
+                instance.call(
+                    self.budget.fuel_snapshot,
+                    SNAPSHOT_BYTES,
+                    self.deadline_ticks,
+                    |exports, store| exports.snapshot(store),
+                )
+            };
+            fuel = taken.fuel;
+            match taken.result {
+                Ok(state) => {
+                    self.snapshot = Some(state);
+                    self.inputs_since_snapshot = 0;
+                }
+                Err(fault) if loses_the_instance(&fault) => self.instance = None,
+                Err(_) => {}
+            }
+        }
+        to.snapshot.clone_from(&self.snapshot);
+        to.inputs_since_snapshot = self.inputs_since_snapshot;
+        fuel
+    }
+
+    /// Notes that it has not seen this many inputs, because another version was in its place.
+    pub(crate) fn miss(&mut self, inputs: u64) {
+        self.inputs_since_snapshot += inputs;
     }
 
     /// Sets the wall-clock backstop of a deployed run: how many calls of [`crate::Host::increment_epoch`] a call of the

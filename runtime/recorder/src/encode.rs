@@ -107,6 +107,10 @@ pub(crate) fn write_input(out: &mut Vec<u8>, input: &Input<'_>) -> Result<Channe
             plugin: *plugin,
             restarted,
         },
+        Input::Swap(plugin, version) => InputRef::Swap {
+            plugin: *plugin,
+            version,
+        },
         Input::Operator(act) => InputRef::Operator { act },
         Input::Sonar(report) => InputRef::Sonar { report },
         Input::UtcSet(by_nanos) => InputRef::UtcSet { by_nanos: *by_nanos },

@@ -168,6 +168,11 @@ impl Header<'_> {
     }
 }
 
+/// The name of the attachment of a version that took a plugin's place in mid-run.
+pub(crate) fn version_name(sha256: &str) -> String {
+    format!("components/{sha256}.wasm")
+}
+
 pub(crate) fn component_name(plugin: &str) -> String {
     format!("components/{plugin}.wasm")
 }

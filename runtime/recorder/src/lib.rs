@@ -45,9 +45,12 @@
 //! | `/log` | `foxglove.Log` | what plugins logged, notes, new states of requests (of modifies only what went wrong or ended them), lines of `/vehicle`; `name` is `plugin NAME`, `runtime` or `vehicle` | all |
 //! | `/map/fence` | `foxglove.GeoJSON` | the fence | once |
 //! | `/map/plan` | `foxglove.GeoJSON` | the vehicle's plan (BFPLN), each time that core has heard all of it and it differs from the last; of at most 10,000 points | all |
+//! | `/map/reach` | `foxglove.GeoJSON` | where the live modify can lead until the vehicle has noticed our silence and turned away, as the safety monitor judges it; empty when nothing steers any more | each second, deployed only |
 //! | `/map/inserts` | `foxglove.GeoJSON` | inserts as they were sent, with identifier, kind, state, plugin and tag: the last 64, of which those that are over go first | each second in which one has changed |
 //! | `/map/requests` | `foxglove.GeoJSON` | inserts as plugins asked for them, with state and, if refused, the reason: the last 32. The same request, refused again, replaces the one before | each second in which one has changed |
 //! | `/sensors/NAME` | `backseat.NAME` | sentences of the vehicle that are measurements or states, decoded: BFTEL, BFSVS, BFRCM, BFRDP, BFRVL, BFRBS, BFERC, BFDVL, BFDV2, BFIMU, BFCTD, BFRNV, BFPIT, BFCNV, BFTRM, BFBOY | by [`Rate`], each compass and battery by itself |
+//!
+//! | `/shadow` | `backseat.Shadow` | what the plugins of `run --shadow` asked for, step by step, and the safety monitor's judgement: nothing of it is sent | all |
 //!
 //! The properties of a sensor have the names and units of `backseat spi list NAME`. Several values of one name are
 //! numbered from 1 (`ranges_m_1`), because the vehicle may leave one empty. A sentence that cannot be read makes no
@@ -68,7 +71,8 @@
 //! simulation's truth is converted to it. Only the attached `world.toml` has an origin of its own.
 //!
 //! **Attachments**: `mission.toml` (as resolved), `fence.geojson`, `world.toml` (only in simulation),
-//! `components/NAME.wasm` (those over [`COMPONENT_LIMIT`] only by their hash), `plan.toml` (the plan that the mission
+//! `components/NAME.wasm` (those over [`COMPONENT_LIMIT`] only by their hash), `components/SHA256.wasm` (a version that
+//! took a plugin's place in mid-run, just before that; it has the same limit), `plan.toml` (the plan that the mission
 //! names), `as-read/NAME` (the fence's file, if `fence.geojson` was written from it: positions are rounded then).
 //!
 //! **Gaps.** A deployed runtime does not wait for the disk. Records that the disk does not accept in time are left out.
@@ -97,6 +101,8 @@ mod reader;
 mod recorder;
 mod remark;
 mod schema;
+mod shadow;
+mod topics;
 mod view;
 
 pub use channel::Channel;
@@ -109,3 +115,5 @@ pub use message::{LoggedInput, described as describe_state};
 pub use reader::LogReader;
 pub use recorder::{Listener, Recorder};
 pub use remark::Remark;
+pub use shadow::{Judged, ShadowStep};
+pub use topics::schema_of;

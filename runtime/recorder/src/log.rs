@@ -233,6 +233,7 @@ fn read_input(message: &Map<String, Value>) -> Result<Record, Error> {
         "link-down" => LoggedInput::LinkDown,
         "returned" => LoggedInput::Returned(plugin()?, plain::read(message, "returned")?),
         "restarted" => LoggedInput::Restarted(plugin()?, plain::read(message, "restarted")?),
+        "swap" => LoggedInput::Swap(plugin()?, plain::read(message, "version")?),
         "operator" => LoggedInput::Operator(plain::read(message, "act")?),
         "external" => LoggedInput::External(plain::read(message, "external")?, bytes::read(message)?),
         "reserved" => LoggedInput::Reserved(Reservation {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use backseat_core::plugin::{Measure, PluginId};
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::header::Header;
 use crate::schema::Fields;
@@ -31,6 +32,17 @@ impl<'a> From<&'a Measure> for MeasureRow<'a> {
             unit: &measure.unit,
         }
     }
+}
+
+/// The name of the schema of every such channel.
+pub(crate) const SCHEMA: &str = "backseat.Measure";
+
+/// The schema of every such channel.
+pub(crate) fn schema() -> Value {
+    Fields::new()
+        .number("value", "In the unit.")
+        .text("unit", "As the plugin gave it; may be empty.")
+        .into_message("A value that a plugin published.", &["value", "unit"])
 }
 
 /// The topic of a name.
@@ -61,11 +73,7 @@ impl Measures {
             return Ok(*id);
         }
         let topic = topic(&self.plugins, plugin, name);
-        let schema = Fields::new()
-            .number("value", "In the unit.")
-            .text("unit", "As the plugin gave it; may be empty.")
-            .into_message("A value that a plugin published.", &["value", "unit"]);
-        let id = add(&topic, &schema.to_string())?;
+        let id = add(&topic, &schema().to_string())?;
         self.ids.insert(key, id);
         Ok(id)
     }

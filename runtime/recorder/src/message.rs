@@ -1,6 +1,8 @@
 //! The JSON channels' messages. Their schemas are in [`crate::Channel::schema`].
 
-use backseat_core::plugin::{EndKind, NavigationSample, PluginId, Refusal, RequestState, Returned, Rule, StepInput};
+use backseat_core::plugin::{
+    EndKind, NavigationSample, PluginId, Refusal, RequestState, Returned, Rule, StepInput, Version,
+};
 use backseat_core::{
     ExternalId, FromSonar, Input, Note, Operator, Owner, RequestKind, Reservation, Restarted, Start, ToSonar,
     Transition,
@@ -22,6 +24,8 @@ pub enum LoggedInput {
     Returned(PluginId, Returned),
     /// A plugin was restarted, or could not be.
     Restarted(PluginId, Restarted),
+    /// The operator put another version in a plugin's place.
+    Swap(PluginId, Version),
     /// The operator acted.
     Operator(Operator),
     /// Bytes from an external source.
@@ -46,6 +50,7 @@ impl LoggedInput {
             Self::Received(bytes) => Input::Received(bytes),
             Self::Returned(plugin, returned) => Input::Returned(*plugin, returned.clone()),
             Self::Restarted(plugin, restarted) => Input::Restarted(*plugin, restarted.clone()),
+            Self::Swap(plugin, version) => Input::Swap(*plugin, version.clone()),
             Self::Operator(act) => Input::Operator(act.clone()),
             Self::External(external, bytes) => Input::External(*external, bytes),
             Self::Sonar(report) => Input::Sonar(report.clone()),
@@ -72,6 +77,10 @@ pub(crate) enum InputRef<'a> {
     Restarted {
         plugin: PluginId,
         restarted: &'a Restarted,
+    },
+    Swap {
+        plugin: PluginId,
+        version: &'a Version,
     },
     Operator {
         act: &'a Operator,

@@ -5,7 +5,7 @@ use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 
 use backseat_core::plugin::{Measure, NavigationSample, PluginId};
-use backseat_core::{Input, Note, Output, Start};
+use backseat_core::{Input, LeaseReach, Note, Output, Start};
 use backseat_units::{LocalFrame, Position, Timestamp};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions};
@@ -16,11 +16,12 @@ use crate::channel::Channel;
 use crate::decimation::Decimation;
 use crate::encode::{Place, write_input, write_output};
 use crate::error::RecorderError;
-use crate::header::{COMPONENTS, DESCRIPTIONS, Header, RUN, Rate};
-use crate::measures::Measures;
+use crate::header::{COMPONENT_LIMIT, COMPONENTS, DESCRIPTIONS, Header, RUN, Rate, version_name};
+use crate::measures::{Measures, SCHEMA};
 use crate::message::{InputRef, Line, NavigationRow, RemarkRef};
 use crate::plain;
 use crate::remark::Remark;
+use crate::shadow::ShadowStep;
 use crate::view::{Batch, Moment, Topic, View};
 
 /// A chunk that is larger than this is closed, bytes. At this size it is still in the processor's cache when it is
@@ -137,6 +138,51 @@ impl<W: Write + Seek> Recorder<W> {
     /// [`RecorderError::Write`].
     pub fn asked(&mut self, now: Timestamp, text: &str) -> Result<(), RecorderError> {
         self.view.asked(self.moment(now), text, &mut self.derived);
+        self.put_derived(now)
+    }
+
+    /// Attaches the component of a version that is about to take a plugin's place, unless it is larger than
+    /// [`crate::COMPONENT_LIMIT`]. A reader finds it before the input that says so.
+    ///
+    /// # Errors
+    ///
+    /// [`RecorderError::Write`].
+    pub fn version(&mut self, now: Timestamp, sha256: &str, component: &[u8]) -> Result<(), RecorderError> {
+        if component.len() > COMPONENT_LIMIT {
+            return Ok(());
+        }
+        let time = self.moment(now).utc_ns;
+        let attachment = mcap::Attachment {
+            log_time: time,
+            create_time: time,
+            name: version_name(sha256),
+            media_type: "application/wasm".to_owned(),
+            data: Cow::Borrowed(component),
+        };
+        self.writer
+            .attach(&attachment)
+            .map_err(|source| write_error(&self.log, source))
+    }
+
+    /// Records where the live modify can lead now, or that nothing steers any more.
+    ///
+    /// # Errors
+    ///
+    /// [`RecorderError::Write`].
+    pub fn reach(&mut self, now: Timestamp, reach: Option<&LeaseReach>) -> Result<(), RecorderError> {
+        self.view.reach(&self.frame, reach, &mut self.derived);
+        self.put_derived(now)
+    }
+
+    /// Records what a plugin that is in the shadow of another one has asked for in a step.
+    ///
+    /// # Errors
+    ///
+    /// [`RecorderError::Write`].
+    pub fn shadow(&mut self, now: Timestamp, step: &ShadowStep) -> Result<(), RecorderError> {
+        self.derived.add(Topic::Shadow, |out| {
+            plain::write(out, step).expect("a Vec takes every step");
+        });
         self.put_derived(now)
     }
 
@@ -312,7 +358,7 @@ impl<W: Write + Seek> Recorder<W> {
         } = self;
         measures.channel(plugin, &measure.name, |topic, schema| {
             let id = writer
-                .add_schema("backseat.Measure", "jsonschema", schema.as_bytes())
+                .add_schema(SCHEMA, "jsonschema", schema.as_bytes())
                 .and_then(|schema| writer.add_channel(schema, topic, ENCODING, &BTreeMap::new()))
                 .map_err(|source| write_error(log, source))?;
             topics.insert(id, topic.to_owned());

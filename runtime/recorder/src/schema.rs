@@ -9,7 +9,7 @@ mod told;
 
 use serde_json::{Map, Value, json};
 
-pub(crate) use self::core::{bytes, input, output};
+pub(crate) use self::core::{bytes, input, output, shadow};
 pub(crate) use told::{control, navigation, note, request, truth, vehicle};
 
 /// The properties of an object.
@@ -149,6 +149,16 @@ fn fault() -> Fields {
     Fields::new()
         .text("kind", "Which bound the plugin broke.")
         .text("text", "In one line.")
+}
+
+fn version() -> Fields {
+    Fields::new()
+        .text("version", "As the component says it.")
+        .text("sha256", "The component's, hexadecimal.")
+        .integer(
+            "trial_steps",
+            "If it fails or is refused something in this many steps, the one before comes back.",
+        )
 }
 
 fn log_line() -> Fields {

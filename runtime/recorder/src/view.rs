@@ -17,12 +17,14 @@ mod sensors;
 mod topic;
 
 use backseat_core::plugin::NavigationSample;
-use backseat_core::{Input, Note, Output};
-use backseat_units::Timestamp;
+use backseat_core::{Input, LeaseReach, Note, Output};
+use backseat_units::{LocalFrame, Timestamp};
+use serde_json::json;
 
 use crate::header::Header;
 
 use self::fence::FenceMap;
+use self::geometry::{Shape, write_features};
 use self::inserts::Inserts;
 use self::journal::Journal;
 use self::link::Link;
@@ -51,7 +53,7 @@ pub(crate) struct Batch {
 }
 
 impl Batch {
-    fn add(&mut self, topic: Topic, write: impl FnOnce(&mut Vec<u8>)) {
+    pub(crate) fn add(&mut self, topic: Topic, write: impl FnOnce(&mut Vec<u8>)) {
         write(&mut self.bytes);
         self.ends.push((topic, self.bytes.len()));
     }
@@ -130,6 +132,7 @@ impl View {
             Input::Returned(plugin, returned) => self.requests.returned(moment, *plugin, returned),
             Input::LinkDown
             | Input::Restarted(..)
+            | Input::Swap(..)
             | Input::Operator(_)
             | Input::External(..)
             | Input::Sonar(_)
@@ -159,6 +162,21 @@ impl View {
             }
         }
         self.come_round(moment, batch);
+    }
+
+    /// Where the live modify can lead has changed; `None` if nothing steers any more.
+    pub(crate) fn reach(&self, frame: &LocalFrame, reach: Option<&LeaseReach>, batch: &mut Batch) {
+        let feature = reach.and_then(|reach| {
+            let LeaseReach { here, ahead, radius_m } = *reach;
+            let shape = Shape::capsule(frame, here, ahead, radius_m)?;
+            let place = |local| {
+                let position = frame.to_position(local);
+                json!([position.longitude.as_deg(), position.latitude.as_deg()])
+            };
+            let properties = json!({"kind": "reach", "here": place(here), "ahead": place(ahead), "radius_m": radius_m});
+            Some(shape.feature("#17becf", properties))
+        });
+        write_features(Topic::Reach, feature.into_iter().collect(), batch);
     }
 
     /// Navigation was recorded.

@@ -4,8 +4,9 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 
 use backseat_core::PluginSetup;
-use backseat_core::plugin::PluginId;
-use backseat_plugin_host::Host;
+use backseat_core::plugin::{PluginId, Version};
+use backseat_mission::Mission;
+use backseat_plugin_host::{Host, Seat};
 use backseat_plugin_loader::Components;
 
 use crate::error::ReplayError;
@@ -83,7 +84,7 @@ impl Crew {
         self.members.push(Member {
             id: PluginId(place),
             table: table.clone(),
-            plugin: Some(started.plugin),
+            plugin: Some(Seat::new(started.plugin)),
             orders: VecDeque::new(),
             substituted: false,
             steps_begun: 0,
@@ -101,6 +102,7 @@ impl Crew {
                 },
                 steps: 0,
                 restarts: 0,
+                swaps: 0,
                 unplayed: 0,
                 different: 0,
                 requests_recorded: 0,
@@ -126,6 +128,38 @@ impl Crew {
             self.components.insert_file(host, sha256, plugin, path, bytes)?;
         }
         Ok(())
+    }
+
+    /// Has a version take a plugin's place at its next restart. Returns false if its component is not there.
+    pub(crate) fn swap(
+        &mut self,
+        host: &Host,
+        plugin: PluginId,
+        version: Version,
+        attached: &BTreeMap<String, Vec<u8>>,
+        mission: &Mission,
+    ) -> Result<bool, ReplayError> {
+        let Some(member) = self
+            .members
+            .get_mut(plugin.0)
+            .filter(|member| !member.report.component.other)
+        else {
+            // Another plugin is stepped in its place in this replay.
+            return Ok(true);
+        };
+        let sha256 = version.sha256.clone();
+        if !self.components.has(&sha256) {
+            let Some(bytes) = attached.get(&sha256) else {
+                return Ok(false);
+            };
+            let path = PathBuf::from(format!("of the log, components/{sha256}.wasm"));
+            self.components
+                .insert_file(host, &sha256, &member.report.name, path, bytes)?;
+        }
+        member.report.swaps += 1;
+        let ready = self.components.start_one(&sha256, &member.table, mission)?;
+        member.offer(ready, version);
+        Ok(true)
     }
 
     /// What the component that flew says about itself.

@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 use std::collections::VecDeque;
 
-use backseat_core::plugin::{FaultKind, Judge, PluginFault, PluginId, Request, Returned, StepInput};
+use backseat_core::plugin::{FaultKind, Judge, PluginFault, PluginId, Request, Returned, StepInput, Version};
 use backseat_core::{Input, Restarted};
 use backseat_mission::{Mission, PluginTable};
-use backseat_plugin_host::{PANICKED, Plugin};
+use backseat_plugin_host::{PANICKED, Plugin, Seat};
 use backseat_plugin_loader::{Components, LoadError};
 use backseat_recorder::{Message, encode_input};
 use backseat_units::{EastNorth, Timestamp};
@@ -22,7 +22,7 @@ pub(crate) struct Member {
     pub(crate) component: String,
     pub(crate) table: PluginTable,
     /// `None` after a panic of its host in the recorded run.
-    pub(crate) plugin: Option<Plugin>,
+    pub(crate) plugin: Option<Seat>,
     /// What core has asked for and the log has not answered yet, oldest first.
     pub(crate) orders: VecDeque<Order>,
     /// A simulation has put another plugin in its place.
@@ -66,8 +66,19 @@ impl Member {
     pub(crate) fn begin(&mut self, components: &Components, mission: &Mission) -> Result<(), LoadError> {
         self.orders.clear();
         self.substituted = false;
-        self.plugin = Some(components.start_one(&self.component, &self.table, mission)?);
+        self.plugin = Some(Seat::new(components.start_one(
+            &self.component,
+            &self.table,
+            mission,
+        )?));
         Ok(())
+    }
+
+    /// Has a version take the plugin's place at the next restart, as the operator did.
+    pub(crate) fn offer(&mut self, ready: Plugin, version: Version) {
+        if let Some(plugin) = &mut self.plugin {
+            plugin.offer(ready, version);
+        }
     }
 
     /// Does the step that the log answers here, and compares.
@@ -192,7 +203,7 @@ impl Member {
         };
         if other {
             // Core would have restarted it later. It has failed in a run that never was, so it goes on at once.
-            if !plugin.is_running() {
+            if !plugin.plugin().is_running() {
                 plugin.restart();
             }
             let now = plugin.step(input);
@@ -218,13 +229,9 @@ impl Member {
         let now = if other {
             plugin.restart()
         } else {
-            plugin.restart_again(&recorded.result)
+            plugin.restart_again(recorded)
         };
-        Some(Restarted {
-            fuel: now.fuel,
-            lost_steps: now.lost_steps,
-            result: now.result,
-        })
+        Some(now)
     }
 
     fn encoded(&self, returned: Returned) -> Result<Vec<u8>, serde_json::Error> {

@@ -1,6 +1,6 @@
 //! A log, message by message: core and plugins do again what they did.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use backseat_core::plugin::PluginId;
 use backseat_core::{Core, Note, Output, Owner, Start, Transition};
@@ -15,7 +15,7 @@ use crate::drawing::Sketch;
 use crate::error::ReplayError;
 use crate::member::{Apart, Order, Stepped};
 use crate::report::{Refused, Report, rate_name};
-use crate::task::{Given, Task};
+use crate::task::{Given, Task, hash};
 
 /// Whether a replay goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,9 @@ pub enum Flow {
 
 /// A replay in progress.
 pub struct Replay {
+    host: Host,
+    /// The components that the log has attached after its start, by their SHA-256.
+    attached: BTreeMap<String, Vec<u8>>,
     run: Run,
     mission: Mission,
     crew: Crew,
@@ -68,6 +71,8 @@ impl Replay {
         let encoder = Encoder::new(task.run.rate, task.names());
         let Task { run, mission, .. } = task;
         Ok(Self {
+            host: host.clone(),
+            attached: BTreeMap::new(),
             run,
             mission,
             crew,
@@ -91,6 +96,11 @@ impl Replay {
     #[must_use]
     pub const fn mission(&self) -> &Mission {
         &self.mission
+    }
+
+    /// Takes a component that the log has attached since its start: a version that is about to take a plugin's place.
+    pub fn attach(&mut self, component: &[u8]) {
+        self.attached.insert(hash(component), component.to_vec());
     }
 
     /// Takes the next message of the log.
@@ -245,6 +255,20 @@ impl Replay {
                     if let Some(found) = found.map_err(|source| invalid(message, source))? {
                         self.first.get_or_insert(Difference::Restart(found));
                     }
+                }
+            }
+            LoggedInput::Swap(plugin, version) => {
+                let (host, attached) = (&self.host, &self.attached);
+                if !self
+                    .crew
+                    .swap(host, *plugin, version.clone(), attached, &self.mission)?
+                {
+                    self.refused = Some(Refused::Version {
+                        plugin: self.crew.members[plugin.0].report.name.clone(),
+                        sha256: version.sha256.clone(),
+                        at_s: message.now.as_secs_f64(),
+                    });
+                    return Ok(());
                 }
             }
             LoggedInput::LinkUp

@@ -66,6 +66,15 @@ pub enum Refused {
         /// When, seconds of the run.
         at_s: f64,
     },
+    /// The operator put a version in a plugin's place whose component is not in the log.
+    Version {
+        /// The plugin.
+        plugin: String,
+        /// The component's SHA-256, hexadecimal.
+        sha256: String,
+        /// When, seconds of the run.
+        at_s: f64,
+    },
 }
 
 /// How a plugin fared.
@@ -79,6 +88,8 @@ pub struct PluginReport {
     pub steps: u64,
     /// How many restarts were compared.
     pub restarts: u64,
+    /// How many versions the operator put in its place.
+    pub swaps: u64,
     /// How many steps and restarts could not be compared, because a simulation had put another plugin in its place.
     pub unplayed: u64,
     /// In how many steps and restarts it differs. If it takes the place of another plugin, only what it asks for and
@@ -128,6 +139,10 @@ impl Refused {
                 "messages {from} to {} are missing at {at_s:.3} s, so the file was edited or damaged: nothing after that \
                  can be replayed",
                 until.wrapping_sub(1)
+            ),
+            Self::Version { plugin, sha256, at_s } => format!(
+                "at {at_s:.3} s the operator put a version in the place of {plugin} that the log has by its hash alone, \
+                 because it is large (SHA-256 {sha256}): nothing after that can be replayed"
             ),
         }
     }
@@ -202,6 +217,7 @@ impl PluginReport {
             component,
             steps,
             restarts,
+            swaps,
             different,
             ..
         } = self;
@@ -217,6 +233,9 @@ impl PluginReport {
         let mut line = format!("{name}{from}{config}: {steps} steps");
         if *restarts > 0 {
             line.push_str(&format!(" and {restarts} restarts"));
+        }
+        if *swaps > 0 {
+            line.push_str(&format!(", swapped {swaps} times"));
         }
         match (component.other, different) {
             (false, 0) => line.push_str(", all identical"),

@@ -61,7 +61,7 @@ impl ControlTimes {
     }
 }
 
-/// In a line: `88-456 s; without it: the vehicle has control 120 s`.
+/// In a line: `88-456 s; the rest of the time: the vehicle has control 120 s`.
 impl fmt::Display for ControlTimes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const SHOWN: usize = 6;
@@ -79,7 +79,7 @@ impl fmt::Display for ControlTimes {
         // The longest first. A sort by name before it makes the order of equal ones certain.
         reasons.sort_by_key(|(_, seconds)| std::cmp::Reverse(**seconds));
         for (index, (reason, seconds)) in reasons.iter().enumerate() {
-            let lead = if index > 0 { ", " } else { "; without it: " };
+            let lead = if index > 0 { ", " } else { "; the rest of the time: " };
             write!(f, "{lead}{reason} ({seconds} s)")?;
         }
         Ok(())
@@ -111,7 +111,7 @@ mod tests {
         let windows: Vec<_> = times.windows.iter().map(|time| (time.from_s, time.until_s)).collect();
         assert_eq!(windows, [(2, 4), (7, 8)]);
         let text = format!(
-            "2-4 s, 7-8 s; without it: {} (3 s), the runtime was not running (1 s)",
+            "2-4 s, 7-8 s; the rest of the time: {} (3 s), the runtime was not running (1 s)",
             Uncontrolled::VehicleHasControl.text()
         );
         assert_eq!(times.to_string(), text);

@@ -36,6 +36,8 @@ pub struct Report {
     pub plugin_failures: BTreeMap<String, u64>,
     /// How each of them failed first.
     pub plugin_first_failures: BTreeMap<String, FirstFailure>,
+    /// When each plugin was quarantined that was, seconds since the start of the run.
+    pub plugin_quarantines: BTreeMap<String, f64>,
     /// What the oracle found.
     pub violations: Vec<Violation>,
     /// How much the oracle saw, which shows whether a run without violations tested anything.

@@ -124,6 +124,7 @@ pub struct Simulation {
     reasons: BTreeMap<(Rule, String), (u64, String)>,
     names: Vec<String>,
     plugin_failures: BTreeMap<String, u64>,
+    quarantines: BTreeMap<String, f64>,
     /// When the runtime had control.
     control: ControlTimes,
     /// How each plugin failed first, by its name in the mission.
@@ -215,6 +216,7 @@ impl Simulation {
             reasons: BTreeMap::new(),
             names,
             plugin_failures: BTreeMap::new(),
+            quarantines: BTreeMap::new(),
             control: ControlTimes::default(),
             first_failures: BTreeMap::new(),
             panics: BTreeMap::new(),
@@ -468,6 +470,7 @@ impl Simulation {
             control: self.control,
             plugin_failures: self.plugin_failures,
             plugin_first_failures: self.first_failures,
+            plugin_quarantines: self.quarantines,
             violations,
             seen,
             measures: BTreeMap::new(),

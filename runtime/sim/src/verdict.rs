@@ -194,6 +194,7 @@ impl LogJudge {
             LoggedInput::Operator(act) => self.operator(act),
             LoggedInput::Returned(..)
             | LoggedInput::Restarted(..)
+            | LoggedInput::Swap(..)
             | LoggedInput::External(..)
             | LoggedInput::Reserved(_)
             | LoggedInput::Sonar(_)

@@ -275,7 +275,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
     println!("{coverage}");
     println!("{}", tree_line(Some(TREE)));
     println!(
-        "{wall_s:.0} s on {} threads: {:.0} x life each",
+        "{wall_s:.0} s on {} threads: {:.0} x real time each",
         order.workers,
         coverage.sim_seconds / wall_s / order.workers as f64
     );

@@ -104,7 +104,7 @@ impl Show {
             before = (real, time);
             if reached < SLOW * self.times && !std::mem::replace(&mut slow, true) {
                 warn!(
-                    "this computer flies at {reached:.1} instead of {} x life: the flight takes longer, and by its own \
+                    "this computer flies at {reached:.1} instead of {} x real time: the flight takes longer, and by its own \
                      clock nothing comes later",
                     self.times
                 );

@@ -21,10 +21,14 @@ use crate::operator::{Asked, Signals};
 use crate::plugins::{Answer, Crew};
 use crate::rate::Rate;
 use crate::recording::{Queue, Recording};
+use crate::run::shadow::Shadows;
+use crate::run::swaps::{Offer, Swaps};
 use crate::service::{Service, Slips};
 use crate::sonar::Sonars;
 
 const FLUSH_EVERY: Duration = Duration::from_secs(1);
+/// How often the reach of the live modify is recorded.
+const REACH_EVERY: Duration = Duration::from_secs(1);
 /// A change of the system's UTC against its monotonic clock that is too large to be a time daemon's slewing between two
 /// checks.
 const UTC_STEP_MIN: Duration = Duration::from_millis(500);
@@ -51,6 +55,8 @@ pub(crate) struct Around {
     pub(crate) recorder: Recording,
     pub(crate) sonars: Option<Sonars>,
     pub(crate) helm: Helm,
+    pub(crate) swaps: Option<Swaps>,
+    pub(crate) shadows: Shadows,
 }
 
 /// Where the threads beside the loop report.
@@ -94,12 +100,16 @@ pub(crate) struct Driver {
     /// Why the link was lost, until this is logged together with the next attempt to connect.
     pub(super) link_lost: Option<String>,
     recorded_navigation: Option<Timestamp>,
+    /// When the reach of the live modify was last recorded; `None` while nothing steers.
+    recorded_reach: Option<Timestamp>,
     /// How far core believes that the system's clock was set, nanoseconds.
     utc_set_nanos: i64,
     /// The plugins' names, for messages.
     pub(super) names: Vec<String>,
     pub(super) helm: Helm,
     pub(super) rate: Rate,
+    pub(super) swaps: Option<Swaps>,
+    shadows: Shadows,
     onlooker: Option<Box<dyn Onlooker>>,
 }
 
@@ -113,6 +123,8 @@ impl Driver {
             recorder,
             sonars,
             helm,
+            swaps,
+            shadows,
         } = around;
         Self {
             core,
@@ -135,10 +147,13 @@ impl Driver {
             last_refusal: None,
             link_lost: None,
             recorded_navigation: None,
+            recorded_reach: None,
             utc_set_nanos: 0,
             names,
             helm,
             rate: Rate::default(),
+            swaps,
+            shadows,
             onlooker: None,
         }
     }
@@ -190,6 +205,11 @@ impl Driver {
                     Ready::Closed => self.lose_link("the vehicle closed the connection".to_owned()),
                 },
                 report = Sonars::next(&mut self.sonars) => self.feed(Input::Sonar(report)),
+                offer = Swaps::next(&mut self.swaps) => self.swap(offer),
+                step = self.shadows.next() => {
+                    let now = self.clock.now();
+                    self.record(now, |recorder| recorder.shadow(now, &step));
+                }
                 // The operator's programs come last: whatever they send can wait.
                 Some((source, bytes)) = heard.recv() => self.feed(Input::External(source, &bytes)),
             }
@@ -211,6 +231,7 @@ impl Driver {
             }
         }
         service.stopping();
+        self.shadows.sum_up();
         slips.end();
         self.farewell().await;
         // Nothing more can be sent.
@@ -236,7 +257,29 @@ impl Driver {
         match answer {
             Answer::Returned(plugin, returned) => self.feed(Input::Returned(plugin, returned)),
             Answer::Restarted(plugin, restarted) => self.feed(Input::Restarted(plugin, restarted)),
+            Answer::Passed(plugin, version) => {
+                let text = format!("{}: version {version}, which are over", self.names[plugin.0]);
+                info!("{text}");
+                let now = self.clock.now();
+                self.record(now, |recorder| recorder.asked(now, &text));
+            }
         }
+    }
+
+    /// Puts a version in a plugin's place that the operator wants there.
+    fn swap(&mut self, offer: Offer) {
+        let now = self.clock.now();
+        self.record(now, |recorder| {
+            recorder.version(now, &offer.version.sha256, &offer.component)
+        });
+        if let Some(swaps) = &mut self.swaps {
+            swaps.taken(&offer);
+        }
+        let Offer {
+            plugin, ready, version, ..
+        } = offer;
+        self.crew.offer(plugin, ready, version.clone());
+        self.feed(Input::Swap(plugin, version));
     }
 
     /// Handles a result of the keeper, or an operator's act on the hold's file.
@@ -328,6 +371,24 @@ impl Driver {
             self.record(now, |recorder| recorder.navigation(now, &sample));
         }
         self.carry_out_all();
+        self.follow_reach();
+    }
+
+    /// Records each second where the live modify can lead, and once that nothing steers any more.
+    fn follow_reach(&mut self) {
+        let now = self.clock.now();
+        match self.recorded_reach {
+            None if !self.core.is_steering() => return,
+            Some(recorded) if self.core.is_steering() && now.since(recorded) < REACH_EVERY => return,
+            None | Some(_) => {}
+        }
+        let reach = self.core.reach();
+        if reach.is_none() && self.recorded_reach.is_none() {
+            // The vehicle keeps its station.
+            return;
+        }
+        self.recorded_reach = reach.map(|_| now);
+        self.record(now, |recorder| recorder.reach(now, reach.as_ref()));
     }
 
     fn handle(&mut self, now: Timestamp, input: Input<'_>) {
@@ -368,7 +429,10 @@ impl Driver {
             }
             Output::Connect { after } => self.connect_at = Some(now + after),
             Output::ResetLink => self.reset = true,
-            Output::Invoke(plugin, input) => self.crew.step(plugin, input),
+            Output::Invoke(plugin, input) => {
+                self.shadows.step(plugin, &input);
+                self.crew.step(plugin, input);
+            }
             Output::Restart(plugin) => self.crew.restart(plugin),
             Output::Sonar(wish) => {
                 if let Some(sonars) = &mut self.sonars {

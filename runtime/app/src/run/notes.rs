@@ -1,5 +1,6 @@
 //! What the operator's screen shows of core's notes.
 
+use backseat_core::plugin::PluginId;
 use backseat_core::refusal::Uncontrolled;
 use backseat_core::{Note, Operator};
 use backseat_units::Timestamp;
@@ -13,15 +14,30 @@ const CLOCKS_APART_S: f64 = 60.0;
 const CLOCK_SET: &str = "the vehicle's clock was set";
 
 impl Driver {
+    fn swap_ended(&mut self, plugin: PluginId, failed: Option<&str>) {
+        if let Some(swaps) = &mut self.swaps {
+            swaps.ended(plugin, &self.names[plugin.0], failed);
+        }
+    }
+
     pub(super) fn tell(&mut self, now: Timestamp, note: &Note) {
         let lost = self.helm.noted(now, note);
+        if let Note::PluginSwapped { plugin } = note {
+            self.swap_ended(*plugin, None);
+        } else if let Note::PluginNotSwapped { plugin, text } = note {
+            self.swap_ended(*plugin, Some(text));
+        }
         let told = note.describe(&self.names);
         match note {
             Note::LinkDown { retry_s, .. } => match self.link_lost.take() {
                 Some(why) => warn!("{why}; next attempt in {retry_s:.1} s"),
                 None => warn!("{told}"),
             },
-            Note::PluginFailed { .. } | Note::Recovery { .. } | Note::Late { .. } | Note::Malformed { .. } => {
+            Note::PluginFailed { .. }
+            | Note::PluginNotSwapped { .. }
+            | Note::Recovery { .. }
+            | Note::Late { .. }
+            | Note::Malformed { .. } => {
                 warn!("{told}");
             }
             Note::Clock { offset_s, .. } if offset_s.abs() >= CLOCKS_APART_S && !self.rate.is_off() => {
@@ -71,6 +87,8 @@ impl Driver {
             | Note::Behavior { .. }
             | Note::Navigation { .. }
             | Note::PluginRestarted { .. }
+            | Note::PluginSwap { .. }
+            | Note::PluginSwapped { .. }
             | Note::PluginLog { .. }
             | Note::Sonar { .. } => info!("{told}"),
             Note::Operator { act } => match act {

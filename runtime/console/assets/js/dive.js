@@ -33,6 +33,7 @@ export class Dive {
     this.over = false;
     this.navigation = new Columns(NAVIGATION, 0.95);
     this.beat = new Columns(BEAT, 0.4);
+    this.reach = new Columns(["lat", "lon", "ahead_lat", "ahead_lon", "radius_m"], 0.9);
     this.truth = new Columns(["lat", "lon", "depth_m", "water_depth_m"], 0.95);
     /** @type {Record<string, Series<any>>} values that hold until the next */
     this.held = {};

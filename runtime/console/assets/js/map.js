@@ -6,6 +6,7 @@ import { Grid } from "./map_grid.js";
 import { Track } from "./map_track.js";
 import { FenceLayer } from "./map_fence.js";
 import { FeatureLayer } from "./map_layers.js";
+import { Reach } from "./map_reach.js";
 import { onTheme, tint, tintName } from "./theme.js";
 
 /** @typedef {import("./main.js").Shown} Shown */
@@ -48,6 +49,7 @@ export class MapView {
     this.grid = new Grid(this.map);
     this.fence = new FenceLayer(this.map, renderer, tell);
     this.plan = new FeatureLayer(this.map, renderer, "plan", tell);
+    this.reach = new Reach(this.map, renderer, tell);
     this.track = new Track(this.map, renderer, (e, t, key) => this.tellTrack(e, t, key));
     this.inserts = new FeatureLayer(this.map, renderer, "inserts", tell);
     this.requests = new FeatureLayer(this.map, renderer, "requests", tell);
@@ -77,6 +79,7 @@ export class MapView {
     this.fence.restyle();
     this.track.restyle(this.current().dive.keys);
     for (const layer of [this.plan, this.inserts, this.requests]) layer.build();
+    this.reach.restyle();
     this.legendKeys = "";
     this.truth.setStyle({ color: tint("bad") });
   }
@@ -84,6 +87,7 @@ export class MapView {
   /** @param {Shown} shown */
   draw({ state, dive, about, clock }) {
     this.plan.draw(dive.at("map:plan", state.t));
+    this.reach.draw(dive, state.t);
     const added = this.track.draw(dive, state.t, clock.following);
     const changed = this.inserts.draw(dive.at("map:inserts", state.t));
     const more = this.requests.draw(dive.at("map:requests", state.t));

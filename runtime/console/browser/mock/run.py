@@ -85,9 +85,9 @@ class Run:
         self.held = act == "hold"
         self.say({"kind": "operator", "act": act, "who": who, "by": "console"})
         if self.held:
-            self.say({"kind": "steering", "reason": "the operator holds"})
-            self.say({"kind": "control", "granted": False, "reason": "the operator holds"})
-            self.say({"kind": "status", "text": "the operator holds"})
+            self.say({"kind": "steering", "reason": "the operator's hold is set"})
+            self.say({"kind": "control", "granted": False, "reason": "the operator's hold is set"})
+            self.say({"kind": "status", "text": "the operator's hold is set"})
         else:
             self.say({"kind": "control", "granted": True})
             self.say({"kind": "status", "text": "steering"})

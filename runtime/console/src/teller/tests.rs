@@ -157,7 +157,7 @@ fn what_happened_has_names_and_reasons() {
             (
                 0,
                 "/control",
-                r#"{"text":"x","granted":false,"reason":"the operator holds"}"#,
+                r#"{"text":"x","granted":false,"reason":"the operator's hold is set"}"#,
             ),
             (
                 0,
@@ -187,7 +187,7 @@ fn what_happened_has_names_and_reasons() {
             r#"{"kind":"plugin","plugin":"echo","state":"running","failures":1}"#,
             r#"{"kind":"request","request":7,"owner":"isobath","request_kind":"modify","state":"rejected","tag":1,"reason":"1.2 m outside"}"#,
             r#"{"kind":"counts","rejected":1,"sent":0,"accepted":0,"failed":0,"by":{"isobath":{"rejected":1,"sent":0,"accepted":0,"failed":0}}}"#,
-            r#"{"kind":"control","granted":false,"reason":"the operator holds"}"#,
+            r#"{"kind":"control","granted":false,"reason":"the operator's hold is set"}"#,
             r#"{"kind":"line","level":"warn","who":"plugin isobath","text":"no bottom lock"}"#,
             r#"{"kind":"measure","plugin":"isobath","name":"slope","value":2.5,"unit":"%"}"#,
             r#"{"kind":"plugin","plugin":"isobath","state":"running","failures":0}"#,

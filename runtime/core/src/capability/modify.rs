@@ -12,7 +12,7 @@ use crate::arbiter::LeaseKind;
 use crate::context::Context;
 use crate::ended::{EndCause, Ended, Failure};
 use crate::io::Note;
-use crate::monitor::envelope::{Setpoint, Vertical};
+use crate::monitor::envelope::{LeaseReach, Setpoint, Vertical};
 use crate::monitor::limits::HeadingFrame;
 use crate::mutations::{Check, is_on};
 use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
@@ -186,6 +186,14 @@ impl Modify {
             .envelope
             .judge_modify(setpoint, navigation, lock, &route, (cx.now, cx.outlook().clocks()))
             .map(|_| ())
+    }
+
+    /// Where the lease can lead from here; `None` without one, or without fresh navigation.
+    pub(crate) fn reach(&self, cx: &Context) -> Option<LeaseReach> {
+        let navigation = cx.vehicle.navigation.fresh(cx.now)?;
+        let seen_mps = cx.outlook().route_of_modify().seen_mps;
+        let envelope = &cx.monitor.envelope;
+        Some(envelope.lease_reach(&self.lease?.setpoint, navigation, seen_mps, cx.now))
     }
 
     /// A sample of navigation is new. If what the lease can reach from here would touch the fence's margin, the lease

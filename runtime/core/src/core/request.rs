@@ -27,28 +27,32 @@ struct Asked {
 
 impl Asked {
     /// `None` for a request that has no entry in the ledger.
-    const fn of(request: &Request) -> Option<Self> {
-        let (tag, kind, grant) = match request {
-            Request::Modify(asked) => (asked.tag, RequestKind::Modify, Grant::Modify),
-            Request::Trackline(asked) => (asked.tag, RequestKind::Trackline, Grant::Insert),
-            Request::Trackcircle(asked) => (asked.tag, RequestKind::Trackcircle, Grant::Insert),
-            Request::GpsHit(asked) => (asked.tag, RequestKind::GpsHit, Grant::Surface),
-            Request::Cancel(tag) => (*tag, RequestKind::Cancel, Grant::Insert),
-            Request::Topside(asked) => (asked.tag, RequestKind::Topside, Grant::Topside),
-            Request::DvlTrigger(asked) => (asked.tag, RequestKind::DvlTrigger, Grant::Dvl),
-            Request::Silent(asked) => (asked.tag, RequestKind::Silent, Grant::Silent),
-            Request::Trim(tag) => (*tag, RequestKind::Trim, Grant::Trim),
-            Request::Buoyancy(tag) => (*tag, RequestKind::Buoyancy, Grant::Buoyancy),
-            Request::Packet(asked) => (asked.tag, RequestKind::Packet, Grant::Acoustic),
-            Request::Station(asked) => (asked.tag, RequestKind::Station, Grant::Station),
-            Request::SonarAngle(asked) => (asked.tag, RequestKind::SonarAngle, Grant::Devices),
-            Request::Camera(asked) => (asked.tag, RequestKind::Camera, Grant::Devices),
-            Request::Light(asked) => (asked.tag, RequestKind::Light, Grant::Devices),
-            Request::SonarSet(asked) => (asked.tag, RequestKind::SonarSet, Grant::Sonar),
-            Request::SonarLog(asked) => (asked.tag, RequestKind::SonarLog, Grant::Sonar),
+    fn of(request: &Request) -> Option<Self> {
+        let (kind, grant) = match request {
+            Request::Modify(_) => (RequestKind::Modify, Grant::Modify),
+            Request::Trackline(_) => (RequestKind::Trackline, Grant::Insert),
+            Request::Trackcircle(_) => (RequestKind::Trackcircle, Grant::Insert),
+            Request::GpsHit(_) => (RequestKind::GpsHit, Grant::Surface),
+            Request::Cancel(_) => (RequestKind::Cancel, Grant::Insert),
+            Request::Topside(_) => (RequestKind::Topside, Grant::Topside),
+            Request::DvlTrigger(_) => (RequestKind::DvlTrigger, Grant::Dvl),
+            Request::Silent(_) => (RequestKind::Silent, Grant::Silent),
+            Request::Trim(_) => (RequestKind::Trim, Grant::Trim),
+            Request::Buoyancy(_) => (RequestKind::Buoyancy, Grant::Buoyancy),
+            Request::Packet(_) => (RequestKind::Packet, Grant::Acoustic),
+            Request::Station(_) => (RequestKind::Station, Grant::Station),
+            Request::SonarAngle(_) => (RequestKind::SonarAngle, Grant::Devices),
+            Request::Camera(_) => (RequestKind::Camera, Grant::Devices),
+            Request::Light(_) => (RequestKind::Light, Grant::Devices),
+            Request::SonarSet(_) => (RequestKind::SonarSet, Grant::Sonar),
+            Request::SonarLog(_) => (RequestKind::SonarLog, Grant::Sonar),
             Request::EndModify | Request::EndStation | Request::Message(_) | Request::Timer { .. } => return None,
         };
-        Some(Self { tag, kind, grant })
+        Some(Self {
+            tag: request.tag()?,
+            kind,
+            grant,
+        })
     }
 }
 

@@ -4,8 +4,8 @@ use super::Core;
 use crate::io::{Note, Output, Restarted};
 use crate::monitor::limits::FailAction;
 use crate::order::{Condition, Order};
-use crate::plugin::slots::{Due, Failed, Step};
-use crate::plugin::{Event, FaultKind, PluginFault, PluginId, Returned, StepInput};
+use crate::plugin::slots::{Due, Failed, Instance, Step};
+use crate::plugin::{Event, FaultKind, PluginFault, PluginId, Returned, StepInput, Version};
 
 impl Core {
     /// Steps every plugin that is due: with navigation, at its period; without, when such a step is overdue.
@@ -63,27 +63,53 @@ impl Core {
             }
             Err(fault) => self.failed(plugin, fault),
         }
+        self.begin_swap(plugin);
         if self.cx.plugins.is_overdue(plugin) {
             self.invoke(plugin);
         }
     }
 
+    /// The operator puts another version in a plugin's place. It takes over between two steps; the plugin's requests and
+    /// its lease stay.
+    pub(super) fn swap(&mut self, plugin: PluginId, version: Version) {
+        if self.cx.plugins.want_swap(plugin) {
+            self.cx.note(Note::PluginSwap { plugin, to: version });
+            self.begin_swap(plugin);
+        }
+    }
+
+    fn begin_swap(&mut self, plugin: PluginId) {
+        if self.cx.plugins.begin_swap(plugin) {
+            self.cx.outbox.push(Output::Restart(plugin));
+        }
+    }
+
     /// A new instance of a plugin has started, or has failed to.
     pub(super) fn restarted(&mut self, plugin: PluginId, restarted: Restarted) {
-        if !self.cx.plugins.restarted(plugin) {
+        let Some(instance) = self.cx.plugins.restarted(plugin) else {
             return;
-        }
+        };
         let cx = &mut self.cx;
         match restarted.result {
             Ok(()) => {
-                cx.note(Note::PluginRestarted { plugin });
+                cx.note(match instance {
+                    Instance::Same | Instance::Before => Note::PluginRestarted { plugin },
+                    Instance::OtherVersion => Note::PluginSwapped { plugin },
+                });
                 let own = cx.ledger.iter().filter(|(_, entry)| entry.owner == plugin);
                 let event = Event::Restored {
                     lost_steps: restarted.lost_steps,
                     open: own.map(|(_, entry)| entry.tag).collect(),
                 };
-                cx.plugins.tell(plugin, event);
-                cx.plugins.tell(plugin, Event::Control(cx.control.granted));
+                let control = Event::Control(cx.control.granted);
+                cx.plugins.begin_instance(plugin, instance, [event, control]);
+                if instance == Instance::Before {
+                    self.invoke(plugin);
+                }
+            }
+            Err(fault) if fault.kind == FaultKind::Trial => {
+                let PluginFault { text, .. } = fault;
+                cx.note(Note::PluginNotSwapped { plugin, text });
             }
             Err(fault) => {
                 // Whatever kind of fault it reports, there is no instance.
@@ -91,6 +117,7 @@ impl Core {
                 self.failed(plugin, PluginFault { kind, ..fault });
             }
         }
+        self.begin_swap(plugin);
     }
 
     /// Handles the plugins that have failed while core was doing something else.
@@ -113,9 +140,13 @@ impl Core {
             then,
             on_failure,
             quarantined,
+            returns,
         } = cx.plugins.fail(cx.now, plugin, fault.kind);
         cx.note(Note::PluginFailed { plugin, fault, then });
         capabilities.plugin_failed(cx, plugin);
+        if returns {
+            cx.outbox.push(Output::Restart(plugin));
+        }
         match on_failure {
             FailAction::Yield => {}
             FailAction::Cancel => {

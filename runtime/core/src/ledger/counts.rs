@@ -137,11 +137,11 @@ impl RequestCounts {
     }
 }
 
-/// Both sums, as in `12 proposed: 2 rejected, 1 replaced, 9 sent; 8 accepted, 1 unanswered`. What is always zero in a
+/// Both sums, as in `12, of which 2 rejected, 1 replaced, 9 sent; of these 8 accepted, 1 unanswered`. What is always zero in a
 /// run without troubles is left out where it is zero.
 impl fmt::Display for RequestCounts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} proposed: {} rejected", self.proposed, self.rejected)?;
+        write!(f, "{}, of which {} rejected", self.proposed, self.rejected)?;
         for (count, name) in [
             (self.replaced, "replaced"),
             (self.withdrawn, "withdrawn"),
@@ -153,7 +153,7 @@ impl fmt::Display for RequestCounts {
         }
         write!(
             f,
-            ", {} sent; {} accepted, {} failed",
+            ", {} sent; of these {} accepted, {} failed",
             self.sent, self.accepted, self.failed
         )?;
         for (count, name) in [(self.unanswered, "unanswered"), (self.undecided, "undecided")] {
@@ -234,7 +234,7 @@ mod tests {
         assert_eq!((counts.sent, counts.accepted, counts.failed), (1, 1, 0));
         assert_eq!(
             counts.to_string(),
-            "1 proposed: 0 rejected, 1 sent; 1 accepted, 0 failed"
+            "1, of which 0 rejected, 1 sent; of these 1 accepted, 0 failed"
         );
     }
 }

@@ -30,6 +30,7 @@ mod tracks;
 
 pub(crate) use ends::End;
 use ends::{farthest_m, ways};
+pub use modify::LeaseReach;
 use motion::turn_radius_m;
 pub(crate) use onto::{Approach, Track};
 pub(crate) use place::Good;
@@ -359,13 +360,16 @@ impl Envelope {
             least_m = self.sweep(shape, cross_track_m, &extent, when)?;
         }
         for from in route.checked_from() {
-            least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, &to_it)?);
+            let judged = self.way_by(route.from_surface, *from, ends.0, &to_it);
+            least_m = least_m.min(judged.map_err(Refusal::on_the_way_to)?);
         }
         for to in route.checked_to() {
-            least_m = least_m.min(self.way_by(route.to_surface, ends.1, *to, &way)?);
+            let judged = self.way_by(route.to_surface, ends.1, *to, &way);
+            least_m = least_m.min(judged.map_err(Refusal::on_the_way_on)?);
         }
         for track in route.checked_onto() {
-            least_m = least_m.min(self.way_onto(route.to_surface, ends.1, track, &way)?);
+            let judged = self.way_onto(route.to_surface, ends.1, track, &way);
+            least_m = least_m.min(judged.map_err(Refusal::on_the_way_on)?);
         }
         Ok(least_m)
     }

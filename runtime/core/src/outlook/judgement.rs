@@ -30,10 +30,12 @@ impl Outlook<'_> {
         let from = self.monitor.envelope.ends(insert).1;
         let passage = self.passage(navigation.depth, insert.surfaces(), self.before_insert_s(false));
         for to in self.vehicle.plan.next_points() {
-            self.monitor.envelope.judge_way((from, End::At(to)), &passage)?;
+            let judged = self.monitor.envelope.judge_way((from, End::At(to)), &passage);
+            judged.map_err(Refusal::on_the_way_on)?;
         }
         for track in self.taken_up_after(false) {
-            self.monitor.envelope.judge_way_onto((from, &track), &passage)?;
+            let judged = self.monitor.envelope.judge_way_onto((from, &track), &passage);
+            judged.map_err(Refusal::on_the_way_on)?;
         }
         Ok(())
     }

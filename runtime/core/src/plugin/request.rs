@@ -85,6 +85,33 @@ pub enum Request {
     },
 }
 
+impl Request {
+    /// The plugin's name for it; `None` for what has no outcome.
+    #[must_use]
+    pub const fn tag(&self) -> Option<u64> {
+        Some(match self {
+            Self::Modify(asked) => asked.tag,
+            Self::Trackline(asked) => asked.tag,
+            Self::Trackcircle(asked) => asked.tag,
+            Self::GpsHit(asked) => asked.tag,
+            Self::Cancel(tag) => *tag,
+            Self::Topside(asked) => asked.tag,
+            Self::DvlTrigger(asked) => asked.tag,
+            Self::Silent(asked) => asked.tag,
+            Self::Trim(tag) => *tag,
+            Self::Buoyancy(tag) => *tag,
+            Self::Packet(asked) => asked.tag,
+            Self::Station(asked) => asked.tag,
+            Self::SonarAngle(asked) => asked.tag,
+            Self::Camera(asked) => asked.tag,
+            Self::Light(asked) => asked.tag,
+            Self::SonarSet(asked) => asked.tag,
+            Self::SonarLog(asked) => asked.tag,
+            Self::EndModify | Self::EndStation | Self::Message(_) | Self::Timer { .. } => return None,
+        })
+    }
+}
+
 /// Steer for a while.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModifyRequest {

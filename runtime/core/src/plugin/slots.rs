@@ -19,6 +19,8 @@ const EVENTS_MAX: usize = 256;
 const FAILURES_MAX: u32 = 5;
 /// The count of failures starts again if the last failure was longer ago than this.
 const FORGIVEN_AFTER: Duration = Duration::from_secs(600);
+/// What happens to a plugin that has failed too often, in words.
+pub const QUARANTINED: &str = "it is quarantined";
 const BACK_OFF: Duration = Duration::from_secs(1);
 /// How many timers of one plugin can be set at once.
 pub(crate) const TIMERS_MAX: usize = 64;
@@ -62,6 +64,20 @@ struct Slot {
     messages: Allowance,
     /// How many of its tracklines and trackcircles have been sent.
     inserts_sent: u32,
+    swap: Swap,
+}
+
+/// Another version that the operator puts in a plugin's place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
+enum Swap {
+    None,
+    /// It takes over when the plugin does nothing else.
+    Wanted,
+    /// It is taking over.
+    Begun,
+    /// It has failed on trial, and the version before it comes back.
+    Returns,
 }
 
 impl Slot {
@@ -80,6 +96,7 @@ impl Slot {
             over_rate: LineBudget::of(1),
             messages: Allowance::default(),
             inserts_sent: 0,
+            swap: Swap::None,
         }
     }
 
@@ -190,6 +207,19 @@ pub(crate) struct Failed {
     pub(crate) then: &'static str,
     pub(crate) on_failure: FailAction,
     pub(crate) quarantined: bool,
+    /// The version before it comes back at once.
+    pub(crate) returns: bool,
+}
+
+/// What a new instance is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Instance {
+    /// The version that was there.
+    Same,
+    /// The version that the operator has put in its place.
+    OtherVersion,
+    /// The version before one that has failed on trial. It is stepped at once, because it may have to steer on.
+    Before,
 }
 
 impl Plugins {
@@ -407,18 +437,59 @@ impl Plugins {
         self.slots[plugin.0].overdue && self.is_idle(plugin)
     }
 
-    /// A new instance has started or has failed to. Returns whether core was waiting for one.
-    pub(crate) fn restarted(&mut self, plugin: PluginId) -> bool {
-        let Some(slot) = self.slots.get_mut(plugin.0) else {
+    /// The operator wants another version of a plugin. Returns whether there is such a plugin.
+    pub(crate) fn want_swap(&mut self, plugin: PluginId) -> bool {
+        let slot = self.slots.get_mut(plugin.0);
+        slot.map(|slot| slot.swap = Swap::Wanted).is_some()
+    }
+
+    /// Begins a swap that is wanted, if the plugin does nothing else. A plugin that waits to be restarted, or is
+    /// quarantined, begins anew with the other version.
+    pub(crate) fn begin_swap(&mut self, plugin: PluginId) -> bool {
+        let Some(slot) = self.slots.get_mut(plugin.0).filter(|slot| slot.swap == Swap::Wanted) else {
             return false;
         };
-        let awaited = slot.state == State::Restarting;
-        if awaited {
-            slot.state = State::Idle;
-            slot.events.clear();
-            slot.timers.clear();
+        match slot.state {
+            State::Idle => {}
+            State::BackingOff { .. } | State::Quarantined => slot.failures = 0,
+            State::Running | State::Condemned | State::Restarting => return false,
         }
-        awaited
+        slot.state = State::Restarting;
+        slot.swap = Swap::Begun;
+        true
+    }
+
+    /// A new instance has started or has failed to. Returns which one it is, if core was waiting for one.
+    pub(crate) fn restarted(&mut self, plugin: PluginId) -> Option<Instance> {
+        let slot = self.slots.get_mut(plugin.0)?;
+        if slot.state != State::Restarting {
+            return None;
+        }
+        slot.state = State::Idle;
+        if slot.swap == Swap::Begun {
+            slot.swap = Swap::None;
+            return Some(Instance::OtherVersion);
+        }
+        slot.events.clear();
+        slot.timers.clear();
+        if slot.swap == Swap::Returns {
+            slot.swap = Swap::None;
+            return Some(Instance::Before);
+        }
+        Some(Instance::Same)
+    }
+
+    /// A new instance works. It gets these events first. One of another version that took over between two steps also
+    /// gets what has come since; it sets its timers itself.
+    pub(crate) fn begin_instance(&mut self, plugin: PluginId, instance: Instance, events: [Event; 2]) {
+        let slot = &mut self.slots[plugin.0];
+        match instance {
+            Instance::Same | Instance::Before => slot.events.extend(events),
+            Instance::OtherVersion => {
+                slot.events.splice(0..0, events);
+                slot.timers.clear();
+            }
+        }
     }
 
     /// The next plugin that has failed in the meantime.
@@ -429,6 +500,18 @@ impl Plugins {
     /// A plugin has failed: it continues, is restarted later, or is quarantined.
     pub(crate) fn fail(&mut self, now: Timestamp, plugin: PluginId, kind: FaultKind) -> Failed {
         let slot = &mut self.slots[plugin.0];
+        if kind == FaultKind::Trial {
+            slot.state = State::Restarting;
+            if slot.swap == Swap::None {
+                slot.swap = Swap::Returns;
+            }
+            return Failed {
+                then: "the version before comes back",
+                on_failure: FailAction::Yield,
+                quarantined: false,
+                returns: true,
+            };
+        }
         if now.since(slot.failed_at) > FORGIVEN_AFTER {
             slot.failures = 0;
         }
@@ -438,7 +521,7 @@ impl Plugins {
         let then = if slot.failures > FAILURES_MAX {
             slot.state = State::Quarantined;
             slot.events.clear();
-            "it is quarantined"
+            QUARANTINED
         } else if lost && slot.state == State::Running {
             slot.state = State::Condemned;
             "it will be restarted"
@@ -456,6 +539,7 @@ impl Plugins {
                 FailAction::Abort
             },
             quarantined: slot.is_quarantined(),
+            returns: false,
         }
     }
 }

@@ -27,7 +27,7 @@ macro_rules! figures {
                 match self { $(Self::$figure => $name,)* }
             }
 
-            /// Its name in texts: `term of a modify`.
+            /// Its name in texts: `duration of a modify`.
             #[must_use]
             pub const fn spoken(self) -> &'static str {
                 match self { $(Self::$figure => $spoken,)* }
@@ -68,7 +68,7 @@ figures! {
     /// A request's speed.
     Speed "speed" "speed" "m/s" Limit "limits.speed_min_mps, limits.speed_max_mps";
     /// How long a modify lasts.
-    ModifyTerm "modify-term" "term of a modify (more than 0)" "s" Limit "limits.modify_term_max_s";
+    ModifyTerm "modify-term" "duration of a modify (more than 0)" "s" Limit "limits.modify_term_max_s";
     /// The distance between a trackline's ends.
     TracklineLength "trackline-length" "length of a trackline" "m" Limit "";
     /// A circle's radius. The circle must not be tighter than the vehicle can turn.
@@ -124,13 +124,13 @@ figures! {
     /// GPS hits of the whole mission.
     GpsHits "gps-hits" "GPS hits of the mission" "" Cap "limits.gps_hits_total_max";
     /// How long the open inserts may fly.
-    InsertsDuration "inserts-duration" "time that the open inserts may fly" "s" Cap "limits.inserts_duration_max_s";
+    InsertsDuration "inserts-duration" "duration of all open inserts" "s" Cap "limits.inserts_duration_max_s";
     /// A plugin's own open inserts.
     OwnOpenInserts "own-open-inserts" "open inserts of the plugin" "" Cap "plugin.limits.inserts_open_max";
     /// A plugin's own inserts of the whole run.
     OwnInserts "own-inserts" "inserts of the plugin" "" Cap "plugin.limits.inserts_total_max";
     /// How long a plugin's own open inserts may fly.
-    OwnInsertsDuration "own-inserts-duration" "time that the plugin's open inserts may fly" "s" Cap "plugin.limits.inserts_duration_max_s";
+    OwnInsertsDuration "own-inserts-duration" "duration of the plugin's open inserts" "s" Cap "plugin.limits.inserts_duration_max_s";
     /// Inserts that wait for the vehicle to answer.
     WaitingInserts "waiting-inserts" "inserts that wait for the vehicle to answer" "" Heard "";
     /// Silences of the whole mission.

@@ -44,7 +44,7 @@ reasons! {
     Uncontrolled;
     LinkDown "link-down" Control "the link is down";
     RunEnding "run-ending" Control "the run is ending";
-    OperatorHolds "operator-holds" Control "the operator holds";
+    OperatorHolds "operator-holds" Control "the operator's hold is set";
     OperatorEnded "operator-ended" Control "the operator has ended the mission";
     ControlUnknown "control-unknown" Control "the vehicle has not said who has control";
     VehicleHasControl "vehicle-has-control" Control "the vehicle has control";
@@ -84,7 +84,7 @@ reasons! {
     PlanUnknown "plan-unknown" Plan "plan unknown: cannot check the return path";
     PlanUnknownForInsert "plan-unknown-for-insert" Plan "plan unknown: cannot check the way to the insert";
     PlanUnknownNext "plan-unknown-next" Plan "plan unknown: cannot check the way to what comes next";
-    FlownUnheard "flown-unheard" Plan "current behavior unknown, and the vehicle has not kept to a line of its plan or of an open trackline for 10 s";
+    FlownUnheard "flown-unheard" Plan "current behavior unknown: for 10 s the vehicle has not followed one line of its plan or of an open trackline";
     FlownNotPlanned "flown-not-planned" Plan "the current behavior is neither in the plan nor an open insert of this run: cannot check the return path";
     BeginUnheard "begin-unheard" Plan "current behavior unknown: cannot check the way to the insert";
     TakenUpUnheard "taken-up-unheard" Plan "it is unknown where the planned behavior began that the vehicle may resume: cannot check the return path";

@@ -108,7 +108,7 @@ impl ExpectedElement {
                 let mut pairs = (1..).zip(element.points.iter().zip(places));
                 pairs.find_map(|(at, (point, place))| {
                     let metres = point.distance_m(frame.to_local(*place));
-                    off(metres).then(|| format!("place {at} is {metres:.1} m from where it was expected"))
+                    off(metres).then(|| format!("its point {at} is {metres:.1} m from the expected one"))
                 })
             }
             ExpectedPath::Circle { centre, radius_m } => {
@@ -119,7 +119,7 @@ impl ExpectedElement {
                 let mut points = (1..).zip(&element.points);
                 points.find_map(|(at, point)| {
                     let metres = (point.distance_m(centre) - radius_m).abs();
-                    off(metres).then(|| format!("place {at} is {metres:.1} m from the circle that was expected"))
+                    off(metres).then(|| format!("its point {at} is {metres:.1} m from the expected circle"))
                 })
             }
             ExpectedPath::Anywhere => {

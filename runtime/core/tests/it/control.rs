@@ -35,7 +35,7 @@ fn sr_001_each_condition_of_control_is_needed() {
             |trial| trial.vehicle.navigates = true,
         ),
         (
-            "the operator holds",
+            "the operator's hold is set",
             |trial| trial.operator(Operator::Hold),
             |trial| trial.operator(Operator::Release),
         ),

@@ -134,7 +134,7 @@ fn sr_001_devices_need_the_table_of_limits_a_grant_and_control() {
     for (trial, text) in [
         (&mut no_table, "the mission has no [limits.station]"),
         (&mut no_grant, "does not grant `devices`"),
-        (&mut no_control, "control: the operator holds"),
+        (&mut no_control, "control: the operator's hold is set"),
     ] {
         for (name, request) in all() {
             trial.ask(0, [request]);

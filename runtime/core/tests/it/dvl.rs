@@ -398,7 +398,7 @@ fn sr_017_a_lost_link_ends_the_handshake_and_nothing_is_sent_for_it_later() {
 fn sr_014_a_loss_of_control_or_plugin_ends_the_handshake_with_one_bpdvr_within_100_ms() {
     type Act = fn(&mut Trial);
     let acts: [(&str, Act); 8] = [
-        ("the operator holds", |trial| trial.operator(Operator::Hold)),
+        ("the operator's hold is set", |trial| trial.operator(Operator::Hold)),
         ("the run is ending", |trial| trial.operator(Operator::Stop)),
         ("its plugin failed", |trial| trial.fail(0, FaultKind::Trap)),
         ("its plugin failed", |trial| trial.fail(0, FaultKind::Error)),

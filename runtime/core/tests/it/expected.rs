@@ -79,9 +79,9 @@ fn sr_001_the_checked_plan_leaves_control_as_usual() {
 fn sr_001_with_another_plan_nothing_that_steers_is_sent_and_the_difference_is_reported() {
     let moved = |by| move |trial: &mut Trial| trial.vehicle.moved = Some(by);
     let text = unlike(expecting(plan()), moved((2, EastNorth::new(0.0, 2.1))));
-    assert_eq!(text, "element 2: place 1 is 2.1 m from where it was expected");
+    assert_eq!(text, "element 2: its point 1 is 2.1 m from the expected one");
     let text = unlike(expecting(plan()), moved((1, EastNorth::new(-30.0, 0.0))));
-    assert_eq!(text, "element 1: place 1 is 30.0 m from where it was expected");
+    assert_eq!(text, "element 1: its point 1 is 30.0 m from the expected one");
 
     let mut longer = plan();
     longer.elements.push(ExpectedElement {

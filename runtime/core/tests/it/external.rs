@@ -387,7 +387,7 @@ fn sr_014_without_control_only_the_relay_passes() {
             let now = trial.now;
             trial.vehicle.set_status(now, "Ready");
         }),
-        ("the operator holds", |trial| trial.operator(Operator::Hold)),
+        ("the operator's hold is set", |trial| trial.operator(Operator::Hold)),
         ("navigation is stale", |trial| trial.vehicle.navigates = false),
     ];
     for (reason, lose) in cases {

@@ -209,7 +209,10 @@ fn sr_002_the_way_on_from_a_gps_hit_is_checked_from_the_surface_and_with_the_dri
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");
     let mut trial = accepted();
     let text = rejected(&mut trial, beyond(2));
-    assert!(text.starts_with("keep-out: inside keep-out zone 'shoals'"), "{text}");
+    assert!(
+        text.starts_with("keep-out: on the way") && text.contains(": inside keep-out zone 'shoals'"),
+        "{text}"
+    );
     trial.ask(0, [good_line(3)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
@@ -229,7 +232,10 @@ fn sr_002_the_way_from_an_interrupting_insert_to_a_waiting_gps_hit_is_checked_up
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");
     let mut trial = accepted();
     let text = rejected(&mut trial, beyond(2));
-    assert!(text.starts_with("keep-out: inside keep-out zone 'shoals'"), "{text}");
+    assert!(
+        text.starts_with("keep-out: on the way") && text.contains(": inside keep-out zone 'shoals'"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -290,7 +296,7 @@ fn sr_002_a_keep_out_zone_at_the_depth_of_another_insert_counts_beside_a_gps_hit
         assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
         let text = rejected(&mut trial, beyond(4));
         assert!(
-            text.starts_with("keep-out: inside keep-out zone 'pit'"),
+            text.starts_with("keep-out: on the way to it: inside keep-out zone 'pit'"),
             "{count} GPS hits: {text}"
         );
     }

@@ -149,7 +149,7 @@ fn sr_003_a_lease_ends_with_one_bpemb_whatever_ends_it() {
             let now = trial.now;
             trial.vehicle.end(now, Some(1), None);
         }),
-        ("the operator holds", |trial| trial.operator(Operator::Hold)),
+        ("the operator's hold is set", |trial| trial.operator(Operator::Hold)),
         ("the run is ending", |trial| trial.operator(Operator::Stop)),
     ];
     for (reason, end) in ends {
@@ -500,4 +500,23 @@ fn sr_003_the_end_of_a_lease_is_sent_within_100_ms_of_its_cause() {
     let emb = trial.sent_since("EMB", asked)[0];
     assert!(emb.since(asked + trial.delay) <= Duration::from_millis(100), "{emb}");
     assert_eq!(trial.sent_since("EMB", Timestamp::ZERO).len(), 1);
+}
+
+/// What `Core::reach` shows is what is judged: a keep-out zone that this capsule only just misses is not breached.
+#[test]
+fn the_reach_of_the_live_modify_is_what_people_are_shown() {
+    let mut trial = Trial::under_way();
+    trial.run_for(1.0);
+    assert_eq!(trial.core.reach(), None, "nothing steers");
+    let mut trial = Trial::steering();
+    trial.run_for(1.0);
+    let reach = trial.core.reach().expect("a modify steers");
+    let navigation = *trial.core.navigation().expect("it is fresh");
+    assert_eq!(reach.here, navigation.local);
+    let along_m = reach.here.distance_m(reach.ahead);
+    // At 1.5 m/s for 5 s of silence, the age of navigation and the delay of the link; or at the vehicle's own speed.
+    assert!((7.5..40.0).contains(&along_m), "{along_m} m");
+    assert!((5.0..120.0).contains(&reach.radius_m), "{} m", reach.radius_m);
+    trial.operator(Operator::Hold);
+    assert_eq!(trial.core.reach(), None, "the lease has ended");
 }

@@ -33,7 +33,7 @@ fn sr_021_a_jump_is_noticed_even_if_the_vehicles_clock_is_set_with_it() {
     }
 }
 
-/// When the operator holds, the vehicle has not decided on the insert and knows none that it could cancel.
+/// When the operator's hold is set, the vehicle has not decided on the insert and knows none that it could cancel.
 #[test]
 fn sr_015_a_hold_takes_back_an_insert_that_the_vehicle_accepts_after_it_has_refused_the_cancel() {
     let mut trial = Trial::under_way();

@@ -44,6 +44,7 @@ mod station_bounds;
 mod station_course;
 mod station_left;
 mod station_random;
+mod swap;
 mod taken_up;
 mod topside;
 mod trial;

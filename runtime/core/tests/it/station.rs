@@ -397,7 +397,7 @@ fn sr_005_station_keeping_ends_with_one_bpres_whatever_ends_it() {
             let now = trial.now;
             trial.vehicle.begin(now, Some(2), None);
         }),
-        ("the operator holds", |trial| trial.operator(Operator::Hold)),
+        ("the operator's hold is set", |trial| trial.operator(Operator::Hold)),
         ("the run is ending", |trial| trial.operator(Operator::Stop)),
         ("the vehicle has control", |trial| {
             let now = trial.now;

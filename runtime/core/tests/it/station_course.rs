@@ -196,7 +196,7 @@ fn sr_014_without_control_no_request_for_station_keeping_leaves() {
     trial.ask(0, [Request::Station(to_hull(1, 10.0, 5.0, 5.0)), Request::EndStation]);
     trial.run_for(2.0);
     assert!(sentences(&trial, start).is_empty());
-    assert!(trial.rejection(1).contains("the operator holds"));
+    assert!(trial.rejection(1).contains("the operator's hold is set"));
 }
 
 #[test]

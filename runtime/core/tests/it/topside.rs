@@ -177,7 +177,7 @@ fn sr_001_a_text_needs_the_grant_control_and_an_armed_runtime() {
     held.operator(Operator::Hold);
     held.ask(0, [text(1, "hello")]);
     held.run_for(0.3);
-    assert!(held.rejection(1).contains("the operator holds"));
+    assert!(held.rejection(1).contains("the operator's hold is set"));
     for trial in [plain, unarmed, held] {
         assert!(trial.sent("TOP").is_empty());
     }

@@ -56,20 +56,20 @@ fn a_wide_fence_names_the_vertex_that_is_farthest_out() {
     typo[2][1] = json!(24.01);
     assert_eq!(
         refused(&[box_(), ("bay", "keep-out", polygon(&[typo.clone()]))]),
-        "feature 'bay' outer ring vertex 3: farthest out in a fence 2010.5 km across, expected at most 50 km"
+        "feature 'bay' outer ring vertex 3: the fence is 2010.5 km across, expected at most 50 km, and this is farthest out"
     );
     let several =
         json!({ "type": "MultiPolygon", "coordinates": [[square(-69.98, 42.0)], [square(-69.97, 42.0), typo]] });
     let error = refused(&[box_(), ("bay", "keep-out", several)]);
     assert!(
-        error.starts_with("feature 'bay' polygon 2 hole 1 vertex 3: farthest out in a fence 2010.5 km"),
+        error.starts_with("feature 'bay' polygon 2 hole 1 vertex 3: the fence is 2010.5 km"),
         "{error}"
     );
     // This fence is a little too wide, which is found only once it is on its plane.
     let far = ("bay", "keep-out", polygon(&[square(-70.0, 42.45)]));
     let error = refused(&[box_(), box_2(), far]);
     assert!(
-        error.starts_with("feature 'bay' outer ring vertex 4: farthest out in a fence 51.1 km across"),
+        error.starts_with("feature 'bay' outer ring vertex 4: the fence is 51.1 km across"),
         "{error}"
     );
     // A circle has no vertices, and counts as one place however finely it is drawn.
@@ -79,13 +79,10 @@ fn a_wide_fence_names_the_vertex_that_is_farthest_out() {
         json!({ "type": "Point", "coordinates": [-70.0, 24.0] }),
     );
     let error = refused(&[box_(), circle]);
-    assert!(error.starts_with("feature 'buoy': farthest out in a fence"), "{error}");
+    assert!(error.starts_with("feature 'buoy': the fence is"), "{error}");
     let line = json!({ "type": "LineString", "coordinates": [[-70.0, 42.0], [-70.0, 24.0], [-70.01, 42.0]] });
     let error = refused(&[box_(), ("cable", "keep-out", line)]);
-    assert!(
-        error.starts_with("feature 'cable' vertex 2: farthest out in a fence"),
-        "{error}"
-    );
+    assert!(error.starts_with("feature 'cable' vertex 2: the fence is"), "{error}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 use core::time::Duration;
 
-use backseat_spi::{HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode};
+use backseat_spi::{HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, Text};
 use backseat_units::Timestamp;
 use backseat_units::math::wrap_360;
 
@@ -41,10 +41,10 @@ impl Executive {
         values: ModifyValues,
         water_depth_m: f64,
     ) -> Result<String, &'static str> {
-        let refused = match self.accept_modify(now, client, values) {
-            Ok(()) => {
+        let refused = match self.accept_modify(now, client, values, water_depth_m) {
+            Ok(clipped) => {
                 self.modify_refused = None;
-                return Ok(clipped(&values, &self.performance, self.altitude_min_m, water_depth_m));
+                return Ok(clipped);
             }
             Err(why) => (client, why),
         };
@@ -55,7 +55,13 @@ impl Executive {
         Err(refused.1)
     }
 
-    fn accept_modify(&mut self, now: Timestamp, client: ClientId, values: ModifyValues) -> Result<(), &'static str> {
+    fn accept_modify(
+        &mut self,
+        now: Timestamp,
+        client: ClientId,
+        values: ModifyValues,
+        water_depth_m: f64,
+    ) -> Result<String, &'static str> {
         if !self.control {
             return Err("dynamic requests are not allowed now");
         }
@@ -70,18 +76,24 @@ impl Executive {
         {
             return Err(why);
         }
+        let clipped = clipped(&values, &self.performance, self.altitude_min_m, water_depth_m);
         if self
             .modify
             .is_none_or(|modify| modify.values != values || modify.client != client)
         {
-            self.log.push(MvcEventKind::Modify(client, values));
+            let clipped = Text::cleaned(&clipped);
+            self.log.push(MvcEventKind::Modify {
+                client,
+                values,
+                clipped,
+            });
         }
         self.modify = Some(Modify {
             client,
             values,
             until: now + MODIFY_LASTS,
         });
-        Ok(())
+        Ok(clipped)
     }
 
     /// BPEMB: ends the modify. Returns whether there was one.

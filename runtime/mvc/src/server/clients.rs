@@ -3,11 +3,12 @@ use std::collections::VecDeque;
 use std::net::SocketAddr;
 
 use backseat_spi::{CommandName, FrameCounts, Framer, FromVehicle, Policy, Sentence, Text, ToVehicle};
-use backseat_units::Timestamp;
+use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::event::{ClientId, DropReason};
 use crate::file::{LineEnd, SpiConfig};
 use crate::server::roles::{Roles, Seat};
+use crate::server::time_of_day;
 use crate::server::topics::Topic;
 
 /// How many bytes may wait for a client. A long plan fits twice; a client that never reads is cut off.
@@ -17,8 +18,8 @@ const BACKLOG_MAX: usize = 4 << 20;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Received {
     Command(ToVehicle),
-    /// A command that does not parse: its name, and which field is wrong.
-    Malformed(CommandName, Text),
+    /// A command that does not parse: its name, its time if that can be read, and which field is wrong.
+    Malformed(CommandName, TimeOfDay, Text),
 }
 
 impl Received {
@@ -26,9 +27,15 @@ impl Received {
     pub(crate) fn name(&self) -> CommandName {
         match self {
             Self::Command(command) => CommandName::new(command.name()).unwrap_or(CommandName::NAK),
-            Self::Malformed(name, _) => *name,
+            Self::Malformed(name, _, _) => *name,
         }
     }
+}
+
+/// The time of a sentence that does not parse; midnight if that cannot be read either.
+fn created(sentence: &Sentence<'_>) -> TimeOfDay {
+    let first = sentence.fields().next();
+    first.and_then(time_of_day).unwrap_or(TimeOfDay::MIDNIGHT)
 }
 
 #[derive(Debug)]
@@ -179,12 +186,12 @@ impl Clients {
                 None => Received::Command(command),
                 Some(fault) => {
                     let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
-                    Received::Malformed(name, Text::cleaned(&fault))
+                    Received::Malformed(name, created(&sentence), Text::cleaned(&fault))
                 }
             },
             Err(error) => {
                 let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
-                Received::Malformed(name, Text::cleaned(&error.to_string()))
+                Received::Malformed(name, created(&sentence), Text::cleaned(&error.to_string()))
             }
         })
     }

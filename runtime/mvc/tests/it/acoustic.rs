@@ -212,7 +212,7 @@ fn the_device_and_its_mode_limit_a_packet() {
     }
     let mut payload = in_window("", "");
     payload.say("$BPCPD,070000.000,1,3,1,0,9,0A");
-    assert!(payload.heard()[0].starts_with("$BFACK,080012.000,CPD,000000.000,0,0,0,"));
+    assert!(payload.heard()[0].starts_with("$BFACK,080012.000,CPD,070000.000,0,0,0,"));
 }
 
 #[test]

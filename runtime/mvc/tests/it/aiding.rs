@@ -199,7 +199,7 @@ fn a_fix_without_meaning_is_invalid_and_one_far_away_fails() {
     payload.say("$BPNPU,120000.000,4218.0,N,07054.0,W,5,10");
     let heard = payload.heard();
     assert!(
-        heard.iter().any(|line| line.contains(",NPU,000000.000,0,0,0,")),
+        heard.iter().any(|line| line.contains(",NPU,120000.000,0,0,0,")),
         "{heard:?}"
     );
     assert!(now_off(&mut payload).distance_m(EastNorth::default()) < 0.1);
@@ -252,5 +252,5 @@ fn ctd_data_without_meaning_are_invalid() {
         assert!(heard[0].contains(&format!(",CTD,120000.000,0,0,0,{text}")), "{heard:?}");
     }
     payload.say("$BPCTD,120000.000,40000,warm,100,120000.000");
-    assert!(payload.heard()[0].contains(",CTD,000000.000,0,0,0,"));
+    assert!(payload.heard()[0].contains(",CTD,120000.000,0,0,0,"));
 }

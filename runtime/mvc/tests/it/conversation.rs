@@ -129,7 +129,12 @@ fn a_command_that_does_not_parse_keeps_its_name_and_names_the_field() {
     ] {
         payload.say(said);
         let heard = payload.heard();
-        let answer = format!("$BFACK,080000.000,{name},000000.000,0,0,0,");
+        let time = if said.contains("070000.000") {
+            "070000.000"
+        } else {
+            "000000.000"
+        };
+        let answer = format!("$BFACK,080000.000,{name},{time},0,0,0,");
         assert!(
             heard.len() == 1 && heard[0].starts_with(&answer) && heard[0].contains(field),
             "{said}: {heard:?}"

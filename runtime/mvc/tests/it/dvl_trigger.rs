@@ -223,5 +223,5 @@ fn a_vehicle_without_the_lines_says_so() {
         ["$BFACK,080000.000,DVR,070000.000,0,1,0,no DVL triggering lines are fitted"]
     );
     payload.say("$BPDVR,070000.000,2,0");
-    assert!(payload.heard()[0].starts_with("$BFACK,080005.000,DVR,000000.000,0,0,0,"));
+    assert!(payload.heard()[0].starts_with("$BFACK,080005.000,DVR,070000.000,0,0,0,"));
 }

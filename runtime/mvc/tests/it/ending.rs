@@ -152,7 +152,7 @@ fn cancels_fail_without_control_and_with_a_reserved_field_that_is_set() {
         );
         let reserved = answer(10.9, &format!("$BP{name},070000.123,5"));
         assert!(
-            reserved.starts_with(&format!("$BFACK,080010.900,{name},000000.000,0,0,0,")),
+            reserved.starts_with(&format!("$BFACK,080010.900,{name},070000.123,0,0,0,")),
             "{reserved}"
         );
         assert_eq!(

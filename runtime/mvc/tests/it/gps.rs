@@ -123,7 +123,7 @@ fn wrong_gps_hits_are_refused_with_a_reason() {
     assert!(answer(&hit(7, 0)).ends_with(",7,1,0,the identifier has been used in this mission"));
     let far = "$BPRGP,070000.000,8,4318.06,N,07053.95,W,120,5,0";
     assert!(answer(far).ends_with(",8,1,0,the place is over 50 km from the origin"));
-    assert!(answer("$BPRGP,070000.000,8,4218.06,N").contains(",RGP,000000.000,0,0,0,"));
+    assert!(answer("$BPRGP,070000.000,8,4218.06,N").contains(",RGP,070000.000,0,0,0,"));
     // The time and the number are ignored: they may be empty.
     assert!(answer("$BPRGP,070000.000,8,4218.06,N,07053.95,W,,,0").ends_with(",8,2,0,"));
 }

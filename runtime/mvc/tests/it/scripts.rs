@@ -77,7 +77,7 @@ fn the_sentence_that_a_rule_waits_for_is_handled_before_it_acts() {
     payload.bytes(ME, format!("{RMB}\r\n$BPRMB,070001.000,x\r\n{RMB}\r\n").as_bytes());
     let answers = payload.heard();
     assert_eq!(answers.len(), 2, "{answers:?}");
-    assert!(answers[1].contains(",RMB,000000.000,0,0,"), "{answers:?}");
+    assert!(answers[1].contains(",RMB,070001.000,0,0,"), "{answers:?}");
 }
 
 #[test]

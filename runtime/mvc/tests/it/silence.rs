@@ -51,7 +51,7 @@ fn silence_is_acknowledged_twice() {
         "$BFACK,080010.000,SIL,070002.000,0,2,0,the vehicle was not silent"
     );
     payload.say("$BPSIL,070003.000,2");
-    assert!(payload.heard()[0].starts_with("$BFACK,080011.000,SIL,000000.000,0,0,0,"));
+    assert!(payload.heard()[0].starts_with("$BFACK,080011.000,SIL,070003.000,0,0,0,"));
 }
 
 // "The command will only be accepted if the vehicle is either not currently in a mission, or if a mission is executing

@@ -71,7 +71,7 @@ fn meaningless_fields_are_invalid() {
         // "Reserved for future specification. Must be empty or 0": here perhaps because of a comma in the text.
         (
             "$BPTOP,070000.000,3,hello,world",
-            "TOP,000000.000,0,0,0,reserved field world: expected empty or 0",
+            "TOP,070000.000,0,0,0,reserved field world: expected empty or 0",
         ),
         (
             "$BPTMR,070000.000,9,abort",

@@ -15,3 +15,4 @@ mod interface;
 mod life_cycle;
 mod meter;
 mod round_trip;
+mod seat;

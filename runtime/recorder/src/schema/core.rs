@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::events::{ping, sonar_event, step};
-use super::{Fields, PLUGIN, duration, fault, log_line, measure, operator_act, position, sonar_setting};
+use super::{Fields, PLUGIN, duration, fault, log_line, measure, operator_act, position, sonar_setting, version};
 
 pub(crate) fn bytes() -> Value {
     Fields::new().bytes().into_message(
@@ -53,11 +53,11 @@ pub(crate) fn input() -> Value {
     operator_act(Fields::new())
         .text(
             "input",
-            "start, link-up, link-down, returned, restarted, operator, external, sonar, reserved, utc-set, timeout or \
-             gap. The other properties belong to one of these or to several.",
+            "start, link-up, link-down, returned, restarted, swap, operator, external, sonar, reserved, utc-set, timeout \
+             or gap. The other properties belong to one of these or to several.",
         )
         .object("start", "What core was started with.", start)
-        .integer("plugin", "Place in priority order, 0 first (returned, restarted).")
+        .integer("plugin", "Place in priority order, 0 first (returned, restarted, swap).")
         .object(
             "returned",
             "Fuel, log lines, and requests or fault of a step.",
@@ -68,6 +68,7 @@ pub(crate) fn input() -> Value {
             "Fuel, lost steps, and fault, if any, of a restart.",
             restarted,
         )
+        .object("version", "The version that takes the plugin's place (swap).", version())
         .integer("external", "Place in the mission file, 0 first (external).")
         .bytes()
         .variant("report", "What the client of the sonars reports (sonar).", from_sonar())
@@ -79,6 +80,34 @@ pub(crate) fn input() -> Value {
         .number("since_s", "Since when records are missing, seconds of the run (gap).")
         .integer("records", "How many records are missing (gap).")
         .into_message("An input of core that is not bytes of the link.", &["input"])
+}
+
+pub(crate) fn shadow() -> Value {
+    let judged = Fields::new()
+        .boolean("allowed", "Its geometry and its figures could be sent.")
+        .number("clearance_m", "Absent if it is refused or has no geometry.")
+        .text("refusal", "Why it is refused.");
+    Fields::new()
+        .text("plugin", "The plugin in whose shadow it is.")
+        .text("sha256", "Its component's, hexadecimal.")
+        .number(
+            "step_s",
+            "When core asked the plugin for this step, seconds of the run.",
+        )
+        .integer("fuel", "Fuel used.")
+        .list("log", "Lines that it logged.", log_line())
+        .list("requests", "What it asks for.", request())
+        .list(
+            "judged",
+            "What the safety monitor says of each, in the same order.",
+            judged,
+        )
+        .object("fault", "How it failed; absent if it did not.", fault())
+        .integer("missed", "Steps before this one that it missed.")
+        .into_message(
+            "A step of a plugin in the shadow of another one.",
+            &["plugin", "step_s"],
+        )
 }
 
 fn reservation() -> Fields {

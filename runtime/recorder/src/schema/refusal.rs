@@ -4,11 +4,17 @@ use super::Fields;
 
 /// The contents of a refusal's variants.
 pub(super) fn refusal() -> Fields {
-    let inner = refusal_but_way_back();
-    refusal_but_way_back().variant("way-back", "Why the way back from a waiting insert is refused.", inner)
+    let way = |fields: Fields, name: &str, what: &str| fields.variant(name, what, refusal_but_of_a_way());
+    let fields = way(
+        refusal_but_of_a_way(),
+        "way-back",
+        "Why the way back from a waiting insert is refused.",
+    );
+    let fields = way(fields, "way-to", "Why the way to it is refused.");
+    way(fields, "way-on", "Why the way from it back to the plan is refused.")
 }
 
-fn refusal_but_way_back() -> Fields {
+fn refusal_but_of_a_way() -> Fields {
     let edge = Fields::new()
         .integer("polygon", "")
         .integer("hole", "")

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::refusal::{ended, refusal};
-use super::{Fields, PLUGIN, fault, local, log_line, operator_act, position};
+use super::{Fields, PLUGIN, fault, local, log_line, operator_act, position, version};
 
 pub(crate) fn note() -> Value {
     operator_act(Fields::new())
@@ -27,6 +27,7 @@ pub(crate) fn note() -> Value {
         .integer("count", "How many there were on this connection.")
         .object("fault", "How a plugin failed.", fault())
         .text("then", "What core does about it.")
+        .object("to", "The version that takes a plugin's place.", version())
         .object("line", "A line that a plugin logged.", log_line())
         .number("seconds", "How late the runtime woke.")
         .text(

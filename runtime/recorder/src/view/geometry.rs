@@ -1,6 +1,7 @@
 //! Shapes on the map, and how viewers are told of them.
 
 use backseat_core::plugin::PositionRequest;
+use backseat_units::math::atan2;
 use backseat_units::{EastNorth, LocalFrame, Position};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -36,6 +37,25 @@ impl Shape {
             frame.to_position(EastNorth::new(0.0, 0.0).offset(bearing_deg, radius_m))
         };
         Some(Self::Line((0..=SIDES).map(at).collect()))
+    }
+
+    /// All places within a radius of a line, by their outline; `None` if that cannot be drawn.
+    pub(super) fn capsule(frame: &LocalFrame, from: EastNorth, to: EastNorth, radius_m: f64) -> Option<Self> {
+        if !(radius_m > 0.0 && radius_m <= RADIUS_MAX_M) {
+            return None;
+        }
+        let bearing_deg = atan2(to.east_m - from.east_m, to.north_m - from.north_m).to_degrees();
+        let half = SIDES / 2;
+        let around = |end: EastNorth, first_deg: f64| {
+            (0..=half).map(move |side| {
+                let turned_deg = 180.0 * f64::from(side) / f64::from(half);
+                end.offset(first_deg + turned_deg, radius_m)
+            })
+        };
+        let outline = around(to, bearing_deg - 90.0).chain(around(from, bearing_deg + 90.0));
+        let mut outline: Vec<Position> = outline.map(|place| frame.to_position(place)).collect();
+        outline.extend(outline.first().copied());
+        Some(Self::Line(outline))
     }
 
     /// The feature of GeoJSON, with these properties and a colour.

@@ -76,6 +76,9 @@ fn speaker(note: &Note) -> Option<usize> {
         Note::PluginLog { plugin, .. }
         | Note::PluginFailed { plugin, .. }
         | Note::PluginRestarted { plugin }
+        | Note::PluginSwap { plugin, .. }
+        | Note::PluginSwapped { plugin }
+        | Note::PluginNotSwapped { plugin, .. }
         | Note::PluginMeasure { plugin, .. }
         | Note::LeaseEnded { plugin, .. } => *plugin,
         Note::Request(Transition {
@@ -111,7 +114,11 @@ fn level(note: &Note) -> u8 {
             LogLevel::Error => ERROR,
         },
         Note::PluginFailed { .. } => ERROR,
-        Note::LinkDown { .. } | Note::Recovery { .. } | Note::Late { .. } | Note::Malformed { .. } => WARNING,
+        Note::LinkDown { .. }
+        | Note::Recovery { .. }
+        | Note::Late { .. }
+        | Note::Malformed { .. }
+        | Note::PluginNotSwapped { .. } => WARNING,
         Note::Request(transition) => request_level(transition),
         Note::LinkUp
         | Note::VehicleVersion { .. }
@@ -123,6 +130,8 @@ fn level(note: &Note) -> u8 {
         | Note::Behavior { .. }
         | Note::Navigation { .. }
         | Note::PluginRestarted { .. }
+        | Note::PluginSwap { .. }
+        | Note::PluginSwapped { .. }
         | Note::PluginMeasure { .. }
         | Note::Operator { .. }
         | Note::Sonar { .. }

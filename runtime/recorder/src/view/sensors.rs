@@ -24,6 +24,10 @@ impl Sensor {
     /// How many there are.
     pub(crate) const COUNT: usize = SENSORS.len();
 
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        (0..Self::COUNT).map(Self)
+    }
+
     fn of(line: &[u8]) -> Option<Self> {
         let name = name(line);
         if !name.starts_with(b"BF") || name.starts_with(b"BFNV") {

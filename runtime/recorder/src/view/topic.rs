@@ -1,7 +1,7 @@
 use serde_json::Value;
 
 use super::sensors::Sensor;
-use crate::schema::Fields;
+use crate::schema::{Fields, shadow};
 
 /// A derived channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,11 +13,27 @@ pub(crate) enum Topic {
     Inserts,
     Requests,
     Sensor(Sensor),
+    Shadow,
+    Reach,
 }
 
 impl Topic {
     /// How many there are.
-    pub(crate) const COUNT: usize = 6 + Sensor::COUNT;
+    pub(crate) const COUNT: usize = 8 + Sensor::COUNT;
+
+    /// All of them, in the order of their places.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let first = [
+            Self::Position,
+            Self::Log,
+            Self::Fence,
+            Self::Plan,
+            Self::Inserts,
+            Self::Requests,
+        ];
+        let sensors = Sensor::all().map(Self::Sensor);
+        first.into_iter().chain(sensors).chain([Self::Shadow, Self::Reach])
+    }
 
     /// Its place among all.
     pub(crate) const fn place(self) -> usize {
@@ -29,6 +45,8 @@ impl Topic {
             Self::Inserts => 4,
             Self::Requests => 5,
             Self::Sensor(sensor) => 6 + sensor.place(),
+            Self::Shadow => 6 + Sensor::COUNT,
+            Self::Reach => 7 + Sensor::COUNT,
         }
     }
 
@@ -42,6 +60,8 @@ impl Topic {
             Self::Inserts => "/map/inserts".to_owned(),
             Self::Requests => "/map/requests".to_owned(),
             Self::Sensor(sensor) => format!("/sensors/{}", sensor.name()),
+            Self::Shadow => "/shadow".to_owned(),
+            Self::Reach => "/map/reach".to_owned(),
         }
     }
 
@@ -50,8 +70,11 @@ impl Topic {
         let (name, schema) = match self {
             Self::Position => ("foxglove.LocationFix".to_owned(), location_fix()),
             Self::Log => ("foxglove.Log".to_owned(), log()),
-            Self::Fence | Self::Plan | Self::Inserts | Self::Requests => ("foxglove.GeoJSON".to_owned(), geojson()),
+            Self::Fence | Self::Plan | Self::Inserts | Self::Requests | Self::Reach => {
+                ("foxglove.GeoJSON".to_owned(), geojson())
+            }
             Self::Sensor(sensor) => (format!("backseat.{}", sensor.name()), sensor.schema()),
+            Self::Shadow => ("backseat.Shadow".to_owned(), shadow()),
         };
         (name, schema.to_string())
     }

@@ -13,7 +13,7 @@ use backseat_core::plugin::{
     Measure, NavigationSample, PacketRequest, PingNavigation, PingTime, PluginFault, PluginId, PositionRequest,
     Refusal, Request, RequestState, Returned, SilentRequest, SonarAngleRequest, SonarChannel, SonarEvent,
     SonarLogRequest, SonarPing, SonarSetRequest, SonarSetting, SonarSide, StationRequest, StationTarget, StepInput,
-    TopsideRequest, TrackcircleRequest, TracklineRequest, Transport, VerticalRequest,
+    TopsideRequest, TrackcircleRequest, TracklineRequest, Transport, Version, VerticalRequest,
 };
 use backseat_core::refusal::{Reason, Uncontrolled};
 use backseat_core::{
@@ -294,6 +294,7 @@ pub(crate) fn inputs() -> Vec<Input<'static>> {
                 result: Ok(()),
             },
         ),
+        Input::Swap(PluginId(0), version()),
         Input::Operator(Operator::Hold),
         Input::Operator(Operator::Order(Order::CancelAll)),
         Input::Operator(Operator::Order(Order::Abort {
@@ -395,6 +396,8 @@ pub(crate) fn refusals() -> Vec<Refusal> {
         {"delays": {"request": 4}},
         {"way-back": {"zone": zone}},
         {"way-back": {"figure": figure}},
+        {"way-to": {"zone": zone}},
+        {"way-on": {"figure": figure}},
     ]))
 }
 
@@ -533,6 +536,9 @@ pub(crate) fn notes() -> Vec<Note> {
             then: "it is restarted",
         },
         Note::PluginRestarted { plugin },
+        Note::PluginSwap { plugin, to: version() },
+        Note::PluginSwapped { plugin },
+        Note::PluginNotSwapped { plugin, text: text() },
         Note::PluginLog {
             plugin,
             line: LogLine {
@@ -573,6 +579,14 @@ pub(crate) fn notes() -> Vec<Note> {
         }));
     }
     notes
+}
+
+fn version() -> Version {
+    Version {
+        version: "0.2.0".to_owned(),
+        sha256: "ab".repeat(32),
+        trial_steps: 30,
+    }
 }
 
 fn values<T: DeserializeOwned>(json: Value) -> T {

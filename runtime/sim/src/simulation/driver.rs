@@ -1,6 +1,6 @@
 //! The driver of core: hands in its inputs and carries out its outputs.
 
-use backseat_core::plugin::RequestState;
+use backseat_core::plugin::{QUARANTINED, RequestState};
 use backseat_core::{Input, Note, Operator, Output};
 
 use crate::digest::Direction;
@@ -123,7 +123,7 @@ impl Simulation {
             let text = line.text.lines().collect::<Vec<_>>().join(" ");
             self.panics.insert(name.clone(), (self.now, text));
         }
-        if let Note::PluginFailed { plugin, fault, .. } = note
+        if let Note::PluginFailed { plugin, fault, then } = note
             && let Some(name) = self.names.get(plugin.0)
         {
             let now = self.now;
@@ -134,6 +134,9 @@ impl Simulation {
                 text: panic.map_or_else(|| fault.text.clone(), |(_, text)| text.clone()),
             });
             *self.plugin_failures.entry(name.clone()).or_default() += 1;
+            if *then == QUARANTINED {
+                self.quarantines.insert(name.clone(), now.as_secs_f64());
+            }
         }
         if let Note::PluginMeasure { plugin, measure } = note
             && let Some(name) = self.names.get(plugin.0)

@@ -133,6 +133,7 @@ impl Process {
             Input::Received(_)
             | Input::Returned(..)
             | Input::Restarted(..)
+            | Input::Swap(..)
             | Input::Operator(_)
             | Input::External(..)
             | Input::Reserved(_)

@@ -641,7 +641,7 @@ fn the_plan_that_was_checked_is_held_against_the_vehicles_own() {
     assert!(
         notes
             .iter()
-            .any(|note| note.contains("element 1: place 2 is 15.0 m from where it was expected")),
+            .any(|note| note.contains("element 1: its point 2 is 15.0 m from the expected one")),
         "{notes:#?}"
     );
     refused(

@@ -25,3 +25,4 @@ mod silence;
 mod sonar;
 mod stall;
 mod stuck;
+mod swap;

@@ -154,7 +154,7 @@ fn the_report_says_when_there_was_control_and_how_a_plugin_failed_first() {
     assert!(
         report
             .stdout
-            .contains("control: never; without it: the vehicle has control ("),
+            .contains("control: never; the rest of the time: the vehicle has control ("),
         "{report}"
     );
     let failing = Mission::steady().edit("mission.toml", "fault = \"none\"", "fault = \"error\"");

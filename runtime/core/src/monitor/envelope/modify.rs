@@ -31,7 +31,33 @@ impl Reach {
     }
 }
 
+/// Where the live modify can lead until the vehicle has noticed our silence and turned away (safety requirement 002): all
+/// places within a radius of a line. Metres in the fence's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeaseReach {
+    /// Where the vehicle is.
+    pub here: EastNorth,
+    /// Where it will be if it is on the requested heading already and flies straight on.
+    pub ahead: EastNorth,
+    /// How far it may be from the line between the two, metres.
+    pub radius_m: f64,
+}
+
 impl Envelope {
+    /// Where a modify can lead, for people to look at.
+    pub(crate) fn lease_reach(
+        &self,
+        setpoint: &Setpoint,
+        navigation: &NavigationSample,
+        seen_mps: f64,
+        now: Timestamp,
+    ) -> LeaseReach {
+        let Reach {
+            here, ahead, radius_m, ..
+        } = self.reach(setpoint, navigation, seen_mps, now);
+        LeaseReach { here, ahead, radius_m }
+    }
+
     fn reach(&self, setpoint: &Setpoint, navigation: &NavigationSample, seen_mps: f64, now: Timestamp) -> Reach {
         let limits = &self.limits;
         let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
@@ -143,6 +169,10 @@ impl Envelope {
         let within_m = route.legs.iter().map(Track::within_m).fold(0.0, f64::max);
         self.check_all(&ways, radius_m + within_m, extent, (route.passed_m(extent), when))
             .map(|clearance| clearance.metres)
-            .map_err(|breach| straight().err().unwrap_or_else(|| breach.into()))
+            .map_err(|breach| {
+                straight()
+                    .err()
+                    .unwrap_or_else(|| Refusal::on_the_way_on(breach.into()))
+            })
     }
 }

@@ -84,7 +84,7 @@ fn an_empty_mission_needs_a_link_a_duration_no_running_mission_and_no_hold() {
     assert!(rejected(&mut Trial::new(), 60).contains("the link is down"));
     let mut held = ready();
     held.operator(Operator::Hold);
-    assert!(rejected(&mut held, 60).contains("the operator holds"));
+    assert!(rejected(&mut held, 60).contains("the operator's hold is set"));
     let mut ending = ready();
     let now = ending.now;
     ending.vehicle.set_status(now, "WrappingUp");

@@ -40,7 +40,7 @@ pub(crate) const SECTIONS: &[Section] = &[
             Say("$BPSTS,070000.000,0,the sonar is off"),
             Hear("$BFACK,080000.000,STS,070000.000,0,2,0,"),
             Say("$BPSTS,070000.000,2,what"),
-            Hear("$BFACK,080000.000,STS,000000.000,0,0,0,"),
+            Hear("$BFACK,080000.000,STS,070000.000,0,0,0,"),
         ],
     },
     Section {
@@ -244,7 +244,7 @@ pub(crate) const SECTIONS: &[Section] = &[
             Say("$BPTOP,070000.000,3,target found,0"),
             Hear("$BFACK,080000.000,TOP,070000.000,0,2,0,"),
             Say("$BPTOP,070001.000,3,target found,7"),
-            Hear("$BFACK,080000.000,TOP,000000.000,0,0,0,"),
+            Hear("$BFACK,080000.000,TOP,070001.000,0,0,0,"),
         ],
     },
     Section {

@@ -31,7 +31,7 @@ fn sr_015_a_hold_ends_the_lease_and_stands_until_it_is_released() {
     let before = vehicle.lines().iter().filter(|line| steers(line)).count();
     let mut second = runtime(&mission, &vehicle.address, &["--arm"]);
     second.says("the operator's hold is set", SOON);
-    second.says("the operator holds", SOON);
+    second.says("the operator's hold is set", SOON);
     settle(Duration::from_secs(4));
     assert_eq!(
         vehicle.lines().iter().filter(|line| steers(line)).count(),
@@ -78,11 +78,14 @@ fn the_screen_says_why_nothing_steers_and_what_to_do_about_it() {
     vehicle.receives("BPRMB", 1, SOON);
     armed.signal(Signal::USR1);
     let hold = mission.beside("state/hold");
-    let line = armed.says("no control: the operator holds", SOON);
+    let line = armed.says("no control: the operator's hold is set", SOON);
     assert!(line.contains(&format!("delete {}", hold.display())), "{line}");
     // The reason lasts, and so does the line.
     settle(Duration::from_secs(5));
-    assert_eq!(armed.stderr().matches("no control: the operator holds").count(), 1);
+    assert_eq!(
+        armed.stderr().matches("no control: the operator's hold is set").count(),
+        1
+    );
     std::fs::remove_file(hold).unwrap();
     let count = vehicle.received("BPRMB").len();
     vehicle.receives("BPRMB", count + 1, SOON);

@@ -1,0 +1,166 @@
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+use std::sync::mpsc::Receiver;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::{io, thread};
+
+use backseat_recorder::schema_of;
+use foxglove::websocket::{ChannelView, Client, ServerListener};
+use foxglove::{Context, PartialMetadata, RawChannel, Schema, WebSocketServer, WebSocketServerHandle};
+use tracing::warn;
+
+use crate::feed::{Feed, Told};
+
+/// The port at which viewers look first.
+pub const PORT: u16 = 8765;
+/// How many messages may wait for one viewer. The oldest give way.
+const BACKLOG: usize = 512;
+/// A message that is larger is not kept for viewers that come later, bytes.
+const KEPT_BYTES: usize = 1 << 20;
+
+/// Why viewers cannot be served.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewerError {
+    /// Viewers have no token, so they are served on this computer alone.
+    #[error(
+        "{0}: viewers are served on this computer alone: expected a loopback address, such as 127.0.0.1:{PORT}; from elsewhere come by ssh -L"
+    )]
+    Address(SocketAddr),
+    /// The port is taken, for example.
+    #[error("{address}: {message}")]
+    Listen {
+        /// Where it should listen.
+        address: SocketAddr,
+        /// Why it cannot.
+        message: String,
+    },
+    /// No thread can be started.
+    #[error("viewers cannot be served: {0}")]
+    Thread(#[from] io::Error),
+}
+
+/// Serves viewers at this address, which must be a loopback one, until the feed is dropped. `name` is the run's, and
+/// `began_ns` its beginning, UTC in nanoseconds since 1970. Returns where it listens: port 0 chooses one.
+///
+/// # Errors
+///
+/// [`ViewerError`] if it cannot listen there.
+pub fn serve(address: SocketAddr, name: &str, began_ns: u64) -> Result<(Feed, SocketAddr), ViewerError> {
+    if !address.ip().is_loopback() {
+        return Err(ViewerError::Address(address));
+    }
+    let context = Context::new();
+    let kept = Arc::new(Kept::default());
+    let server = WebSocketServer::new()
+        .name(name)
+        .bind(address.ip().to_string(), address.port())
+        .context(&context)
+        .capabilities([])
+        .message_backlog_size(BACKLOG)
+        .listener(kept.clone());
+    let server = server.start_blocking().map_err(|error| ViewerError::Listen {
+        address,
+        message: error.to_string(),
+    })?;
+    let bound = SocketAddr::new(address.ip(), server.port());
+    let (feed, heard) = Feed::new();
+    let live = Live {
+        context,
+        server,
+        channels: BTreeMap::new(),
+        kept,
+        began_ns,
+    };
+    thread::Builder::new()
+        .name("viewer".to_owned())
+        .spawn(move || live.run(&heard))?;
+    Ok((feed, bound))
+}
+
+struct Live {
+    context: Arc<Context>,
+    server: WebSocketServerHandle,
+    /// By topic; `None` for one without a schema.
+    channels: BTreeMap<String, Option<Arc<RawChannel>>>,
+    kept: Arc<Kept>,
+    began_ns: u64,
+}
+
+impl Live {
+    fn run(mut self, heard: &Receiver<Told>) {
+        while let Ok(told) = heard.recv() {
+            self.log(&told);
+        }
+        // The run has ended.
+        let _ended = self.server.stop();
+    }
+
+    fn log(&mut self, told: &Told) {
+        let Some(channel) = self.channel(&told.topic) else {
+            return;
+        };
+        let at_ns = self.began_ns.saturating_add(told.now.as_nanos());
+        channel.log_with_meta(&told.data, PartialMetadata::with_log_time(at_ns));
+        if lasts(&told.topic) && told.data.len() <= KEPT_BYTES {
+            self.kept.keep(channel, at_ns, &told.data);
+        }
+    }
+
+    fn channel(&mut self, topic: &str) -> Option<Arc<RawChannel>> {
+        if let Some(channel) = self.channels.get(topic) {
+            return channel.clone();
+        }
+        let schema = schema_of(topic).map(|(name, text)| Schema::new(name, "jsonschema", text.into_bytes()));
+        let channel = schema.and_then(|schema| {
+            let builder = self
+                .context
+                .channel_builder(topic)
+                .message_encoding("json")
+                .schema(schema);
+            builder
+                .build_raw()
+                .inspect_err(|error| warn!("viewers do not get {topic}: {error}"))
+                .ok()
+        });
+        self.channels.insert(topic.to_owned(), channel.clone());
+        channel
+    }
+}
+
+/// Whether the last message of a topic says how things are until the next one.
+fn lasts(topic: &str) -> bool {
+    topic.starts_with("/map/") || matches!(topic, "/control" | "/position" | "/navigation")
+}
+
+/// The last message of each topic that lasts, for viewers that come later.
+#[derive(Default)]
+struct Kept {
+    messages: Mutex<BTreeMap<String, Message>>,
+}
+
+struct Message {
+    channel: Arc<RawChannel>,
+    at_ns: u64,
+    data: Vec<u8>,
+}
+
+impl Kept {
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Message>> {
+        self.messages.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn keep(&self, channel: Arc<RawChannel>, at_ns: u64, data: &[u8]) {
+        let topic = channel.topic().to_owned();
+        let data = data.to_vec();
+        self.lock().insert(topic, Message { channel, at_ns, data });
+    }
+}
+
+impl ServerListener for Kept {
+    fn on_subscribe(&self, client: Client, channel: ChannelView) {
+        if let Some(message) = self.lock().get(channel.topic()) {
+            let Message { channel, at_ns, data } = message;
+            channel.log_with_meta_to_sink(data, PartialMetadata::with_log_time(*at_ns), client.sink_id());
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! Another version of a plugin in the middle of a dive, and plugins in the shadow of others.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+
+use backseat_recorder::{Log, LogReader, Record, read};
+use backseat_suite::{Backseat, Finished, Mission, Process, Signal, Vehicle};
+use serde_json::Value;
+use sha2::{Digest as _, Sha256};
+
+use super::session::{SOON, runtime};
+
+/// The steady mission, steered by the template at this heading.
+fn mission(heading_deg: f64) -> Mission {
+    let mission = Mission::steady()
+        .edit("mission.toml", "component = \"faulty\"", "component = \"template\"")
+        .edit("mission.toml", "fault = \"none\"\n", "")
+        .edit(
+            "mission.toml",
+            "heading_deg = 90.0",
+            &format!("heading_deg = {heading_deg:.1}"),
+        );
+    mission.append("mission.toml", "speed_mps = 1.5\n")
+}
+
+/// The template once more: the same code, another component.
+fn second(mission: &Mission, name: &str) -> PathBuf {
+    let mut bytes = fs::read(backseat_test_support::plugins().join("template.wasm")).expect("it is there");
+    // A custom section of one byte, which nobody reads.
+    bytes.extend([0, 2, 1, name.as_bytes()[0]]);
+    let path = mission.beside(name);
+    fs::write(&path, bytes).expect("it is there");
+    path
+}
+
+fn fickle() -> PathBuf {
+    backseat_test_support::plugins().join("fickle.wasm")
+}
+
+fn hash(file: &Path) -> String {
+    Sha256::digest(fs::read(file).expect("it is there"))
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+fn swap(mission: &Mission, file: &Path) -> Finished {
+    swap_with(mission, file, &["--sha256", &hash(file)[..12]])
+}
+
+fn swap_with(mission: &Mission, file: &Path, arguments: &[&str]) -> Finished {
+    Backseat::new()
+        .arg("swap")
+        .mission(mission)
+        .arg(format!("pilot={}", file.display()))
+        .arg("--state")
+        .arg(mission.beside("state"))
+        .args(arguments.iter().copied())
+        .run()
+}
+
+fn ended(mission: &Mission, mut run: Process) -> (Log, PathBuf) {
+    run.signal(Signal::INT);
+    assert_eq!(run.wait(SOON), Some(0), "{}", run.stderr());
+    let logs: Vec<PathBuf> = fs::read_dir(mission.beside("logs"))
+        .expect("the run has written a log")
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .collect();
+    let [log] = &logs[..] else { panic!("{logs:?}") };
+    (read(log).expect("the log can be read"), log.clone())
+}
+
+/// The longest time without a BPRMB while the runtime steered, seconds.
+fn worst_gap_s(log: &Log) -> f64 {
+    let sent = log
+        .link()
+        .filter(|(_, received, bytes)| !received && bytes.starts_with(b"$BPRMB"));
+    let sent: Vec<f64> = sent.map(|(at, _, _)| at.as_secs_f64()).collect();
+    assert!(sent.len() > 3, "{sent:?}");
+    sent.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+}
+
+/// What the log has of shadows.
+fn shadow_steps(log: &Path) -> Vec<Value> {
+    let mut reader = LogReader::open(log).expect("it is there");
+    let mut steps = Vec::new();
+    while let Some(message) = reader.next_message().expect("it is whole") {
+        if *message.topic == *"/shadow" {
+            steps.push(serde_json::from_slice(&message.data).expect("it is JSON"));
+        }
+    }
+    steps
+}
+
+fn replayed(log: &Path) -> Value {
+    let report = Backseat::new().args(["replay", "--json"]).arg(log).run().exit(0).json();
+    assert_eq!(report["identical"], true, "{report}");
+    report
+}
+
+#[test]
+fn versions_take_over_in_the_middle_of_a_lease_and_the_dive_is_replayed() {
+    let mission = mission(180.0);
+    let vehicle = Vehicle::start(&mission);
+    let run = runtime(&mission, &vehicle.address, &["--arm"]);
+    let _ = vehicle.receives("BPRMB", 3, SOON);
+    let (first, next) = (
+        backseat_test_support::plugins().join("template.wasm"),
+        second(&mission, "next.wasm"),
+    );
+    for (file, count) in [(&next, 6), (&first, 9)] {
+        let swapped = swap_with(&mission, file, &["--sha256", &hash(file), "--trial", "2"]).exit(0);
+        assert!(swapped.stdout.contains(&hash(file)[..12]), "{swapped}");
+        run.says("pilot: swapped", SOON);
+        run.says("2 steps on trial, which are over", SOON);
+        let _ = vehicle.receives("BPRMB", count, SOON);
+    }
+    assert!(vehicle.received("BPEMB").is_empty(), "one lease: {}", vehicle.story());
+    let (log, path) = ended(&mission, run);
+    let gap_s = worst_gap_s(&log);
+    assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB");
+    let report = replayed(&path);
+    assert_eq!(report["plugins"][0]["swaps"], 2, "{report}");
+}
+
+#[test]
+fn a_version_that_traps_on_trial_gives_way_and_the_vehicle_is_steered_on() {
+    gives_way(90.0, "version 0.2.0 on trial: ");
+}
+
+#[test]
+fn a_version_that_is_refused_on_trial_gives_way_and_the_vehicle_is_steered_on() {
+    gives_way(180.0, "version 0.2.0 on trial: refused: grant: ");
+}
+
+fn gives_way(heading_deg: f64, why: &str) {
+    let mission = mission(heading_deg);
+    let vehicle = Vehicle::start(&mission);
+    let run = runtime(&mission, &vehicle.address, &["--arm"]);
+    let _ = vehicle.receives("BPRMB", 3, SOON);
+    let _ = swap(&mission, &fickle()).exit(0);
+    let line = run.says(why, SOON);
+    assert!(line.contains("the version before comes back"), "{line}");
+    run.says("pilot works again", SOON);
+    let count = vehicle.received("BPRMB").len();
+    let _ = vehicle.receives("BPRMB", count + 4, SOON);
+    let (log, path) = ended(&mission, run);
+    let gap_s = worst_gap_s(&log);
+    assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB: {}", vehicle.story());
+    let report = replayed(&path);
+    assert_eq!(report["plugins"][0]["swaps"], 1, "{report}");
+}
+
+#[test]
+fn a_swap_that_cannot_be_done_says_why_and_changes_nothing() {
+    let mission = mission(180.0);
+    let good = second(&mission, "next.wasm");
+    // Nobody flies it yet.
+    let nobody = swap(&mission, &good).refusal();
+    assert!(nobody.contains("no runtime uses this folder"), "{nobody}");
+    let vehicle = Vehicle::start(&mission);
+    let run = runtime(&mission, &vehicle.address, &["--arm"]);
+    let _ = vehicle.receives("BPRMB", 3, SOON);
+    let unnamed = swap_with(&mission, &good, &[]).refusal();
+    assert!(
+        unnamed.contains(&format!("--sha256 {}", &hash(&good)[..12])),
+        "{unnamed}"
+    );
+    let short = swap_with(&mission, &good, &["--sha256", "abc"]).refusal();
+    assert!(short.contains("expected 12 digits or more"), "{short}");
+    let wrong = swap_with(&mission, &good, &["--sha256", "0123456789ab"]).refusal();
+    assert!(wrong.contains(&hash(&good)), "{wrong}");
+    let stranger = Backseat::new()
+        .arg("swap")
+        .mission(&mission)
+        .arg(format!("nobody={}", good.display()))
+        .run()
+        .refusal();
+    assert!(stranger.contains("its plugins are: pilot"), "{stranger}");
+
+    let plugins = backseat_test_support::plugins();
+    let garbage = mission.beside("garbage.wasm");
+    fs::write(&garbage, "no component").unwrap();
+    for (file, why) in [
+        (garbage, "pilot: not swapped: plugin `pilot`"),
+        // Its config has other keys.
+        (plugins.join("isobath.wasm"), "cannot be started: config"),
+        // It is another plugin, whose state is another.
+        (
+            plugins.join("faulty.wasm"),
+            "not swapped, the version before goes on: restore: ",
+        ),
+    ] {
+        let refused = swap(&mission, &file).exit(1);
+        assert!(refused.stdout.contains(why), "{why}: {refused}");
+        run.says("not swapped", SOON);
+    }
+    // A folder into which others can write.
+    let folder = mission.beside("state/swap");
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o777)).unwrap();
+    let open = swap(&mission, &good).refusal();
+    assert!(open.contains("chmod go-w"), "{open}");
+    fs::write(
+        folder.join("pilot.order"),
+        "number = 1\nsha256 = \"x\"\ntrial_steps = 1\n",
+    )
+    .unwrap();
+    run.says("order to swap ignored: ", SOON);
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).unwrap();
+    fs::write(folder.join("pilot.order"), "nonsense").unwrap();
+    run.says("order to swap ignored: ", SOON);
+
+    let count = vehicle.received("BPRMB").len();
+    let _ = vehicle.receives("BPRMB", count + 2, SOON);
+    assert!(vehicle.received("BPEMB").is_empty(), "one lease: {}", vehicle.story());
+    let (log, path) = ended(&mission, run);
+    let gap_s = worst_gap_s(&log);
+    assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB");
+    let _ = replayed(&path);
+}
+
+#[test]
+fn a_locked_mission_is_swapped_to_what_was_signed_alone() {
+    let mission = mission(180.0);
+    let (signed, other) = (second(&mission, "next.wasm"), second(&mission, "other.wasm"));
+    let key = |name: &str| mission.beside(name).display().to_string();
+    let _ = Backseat::new().arg("key").arg(mission.beside("ann")).run().exit(0);
+    let _ = Backseat::new()
+        .args(["check", "--signer", "Ann", "--sign", &key("ann.key"), "--may-swap"])
+        .arg(format!("pilot={}", signed.display()))
+        .args(["--log", &key("logs"), "--state", &key("state")])
+        .mission(&mission)
+        .run()
+        .exit(0);
+    let vehicle = Vehicle::start(&mission);
+    let run = runtime(&mission, &vehicle.address, &["--arm", "--locked", &key("ann.pub")]);
+    let _ = vehicle.receives("BPRMB", 3, SOON);
+    let refused = swap(&mission, &other).exit(1);
+    assert!(refused.stdout.contains("Ann did not sign that "), "{refused}");
+    let _ = swap(&mission, &signed).exit(0);
+    run.says("pilot: swapped", SOON);
+    drop(run);
+    // A shadow is code too.
+    let shadow = format!("pilot={}", other.display());
+    let arguments = ["--locked", &key("ann.pub"), "--shadow", &shadow];
+    let mut refused = runtime(&mission, &vehicle.address, &arguments);
+    refused.says("Ann did not sign that ", SOON);
+    assert_eq!(refused.wait(SOON), Some(2));
+}
+
+#[test]
+fn a_shadow_is_judged_and_logged_and_nothing_of_it_is_sent() {
+    // At 180 degrees the shadow asks for a line around the globe in its fifth step.
+    let mission = mission(180.0);
+    let vehicle = Vehicle::start(&mission);
+    let template = backseat_test_support::plugins().join("template.wasm");
+    let shadows = [fickle(), template.clone()].map(|file| format!("pilot={}", file.display()));
+    let arguments = [
+        "--arm",
+        "--first-identifier",
+        "1",
+        "--shadow",
+        &shadows[0],
+        "--shadow",
+        &shadows[1],
+    ];
+    let run = runtime(&mission, &vehicle.address, &arguments);
+    run.says("shadow of pilot: version 0.2.0", SOON);
+    run.says("shadow of pilot: would be rejected: ", SOON);
+    let count = vehicle.received("BPRMB").len();
+    let _ = vehicle.receives("BPRMB", count + 3, SOON);
+    assert!(vehicle.received("BPRTK").is_empty(), "{}", vehicle.story());
+    let stderr = {
+        let mut run = run;
+        run.signal(Signal::INT);
+        assert_eq!(run.wait(SOON), Some(0), "{}", run.stderr());
+        run.stderr()
+    };
+    assert!(
+        stderr.contains("of which 1 would be refused, 0 failures, 0 steps missed; nothing was sent"),
+        "{stderr}"
+    );
+    let logs: Vec<PathBuf> = fs::read_dir(mission.beside("logs"))
+        .unwrap()
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .collect();
+    let log = read(&logs[0]).unwrap();
+    let asked = log.entries.iter().filter(|entry| {
+        let Record::Request(request) = &entry.record else {
+            return false;
+        };
+        request["kind"] == "trackline"
+    });
+    assert_eq!(asked.count(), 0, "core knows nothing of it");
+    let steps = shadow_steps(&logs[0]);
+    let of = |sha256: &str| steps.iter().filter(|step| step["sha256"] == sha256).count();
+    assert!(of(&hash(&fickle())) > 5, "{steps:?}");
+    assert!(of(&hash(&template)) > 5, "{steps:?}");
+    let refused: Vec<&Value> = steps
+        .iter()
+        .filter(|step| step["judged"][0]["allowed"] == false)
+        .collect();
+    let [refused] = &refused[..] else { panic!("{refused:?}") };
+    assert_eq!(refused["requests"][0]["is"], "trackline", "{refused}");
+    assert!(
+        refused["judged"][0]["refusal"]
+            .as_str()
+            .unwrap()
+            .starts_with("keep-in: "),
+        "{refused}"
+    );
+    let allowed = steps.iter().find(|step| step["judged"][0]["allowed"] == true).unwrap();
+    assert!(allowed["judged"][0]["clearance_m"].as_f64().unwrap() > 0.0, "{allowed}");
+    let _ = replayed(&logs[0]);
+}
+
+#[test]
+fn a_shadow_that_fails_troubles_nobody() {
+    let mission = mission(90.0);
+    let vehicle = Vehicle::start(&mission);
+    let shadow = format!("pilot={}", fickle().display());
+    let run = runtime(&mission, &vehicle.address, &["--arm", "--shadow", &shadow]);
+    run.says("shadow of pilot failed (Trap)", SOON);
+    let count = vehicle.received("BPRMB").len();
+    let _ = vehicle.receives("BPRMB", count + 4, SOON);
+    assert!(vehicle.received("BPEMB").is_empty());
+    let (log, _) = ended(&mission, run);
+    assert!(worst_gap_s(&log) < 1.5);
+    let unknown = Backseat::new()
+        .args([
+            "run",
+            "--connect",
+            "127.0.0.1:9",
+            "--shadow",
+            "nobody=x.wasm",
+            "--state",
+        ])
+        .arg(mission.beside("other"))
+        .mission(&mission)
+        .run()
+        .refusal();
+    assert!(unknown.contains("no plugin nobody in the mission"), "{unknown}");
+}

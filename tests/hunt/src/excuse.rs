@@ -34,6 +34,7 @@ pub(crate) fn none_is_left<'a>(
             Fault::Plugin { slot: at, fault, .. } => *at == slot && FAILING.contains(&fault.as_str()),
             Fault::AllTrap { .. } => true,
             Fault::Vehicle(_)
+            | Fault::Swap { .. }
             | Fault::Kill { .. }
             | Fault::Stop { .. }
             | Fault::Hold { .. }

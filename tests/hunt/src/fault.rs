@@ -38,6 +38,12 @@ pub const PLUGIN_FAULTS: [&str; 26] = [
     "uninvited",
 ];
 
+/// What a plugin can be swapped to: the component that flies, which goes on where that was, or one that cannot read its
+/// state.
+pub const SWAPS: [&str; 2] = ["prober", "faulty"];
+/// The share of the plugins' faults that are swaps.
+const SWAP_SHARE: f64 = 0.15;
+
 /// A fault.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fault {
@@ -51,6 +57,15 @@ pub enum Fault {
         fault: String,
         /// The duration.
         lasts: Duration,
+    },
+    /// The operator puts another version in a plugin's place.
+    Swap {
+        /// The plugin's index by priority, from 0.
+        slot: usize,
+        /// The component: one of [`SWAPS`].
+        to: String,
+        /// For how many steps it is on trial.
+        trial_steps: u32,
     },
     /// The runtime is killed.
     Kill {
@@ -103,6 +118,12 @@ impl Fault {
         let sort = dice.between(0.0, 1.0);
         if sort < 0.5 {
             Self::draw_vehicle(dice)
+        } else if sort < 0.8 && dice.chance(SWAP_SHARE) {
+            Self::Swap {
+                slot: dice.below(2),
+                to: if dice.chance(0.8) { SWAPS[0] } else { SWAPS[1] }.to_owned(),
+                trial_steps: dice.one(&[0, 3, 30]),
+            }
         } else if sort < 0.8 {
             Self::Plugin {
                 slot: dice.below(2),
@@ -239,6 +260,7 @@ impl Fault {
         match self {
             Self::Vehicle(fault) => vehicle_kind(fault).to_owned(),
             Self::Plugin { fault, .. } => format!("plugin {fault}"),
+            Self::Swap { to, trial_steps, .. } => swap_kind(to, *trial_steps),
             Self::Kill { clock_s, .. } if *clock_s != 0.0 => "runtime killed, clock set".to_owned(),
             Self::Kill { .. } => "runtime killed".to_owned(),
             Self::Stop { lasts } if *lasts < Duration::from_secs(1) => "runtime stopped under 1 s".to_owned(),
@@ -254,6 +276,7 @@ impl Fault {
     pub fn lasts(&self) -> Duration {
         match self {
             Self::Vehicle(fault) => fault.lasts,
+            Self::Swap { .. } => Duration::ZERO,
             Self::Plugin { lasts, .. }
             | Self::Stop { lasts }
             | Self::Hold { lasts }
@@ -268,7 +291,7 @@ impl Fault {
     pub fn at_most(mut self, most: Duration) -> Self {
         match &mut self {
             Self::Vehicle(fault) if !is_fatal(fault) => fault.lasts = fault.lasts.min(most),
-            Self::Vehicle(_) => {}
+            Self::Vehicle(_) | Self::Swap { .. } => {}
             Self::Plugin { lasts, .. }
             | Self::Stop { lasts }
             | Self::Hold { lasts }
@@ -334,9 +357,19 @@ impl Fault {
             .into_iter()
             .chain(computer)
             .map(str::to_owned)
+            .chain([swap_kind(SWAPS[0], 0), swap_kind(SWAPS[0], 1), swap_kind(SWAPS[1], 1)])
             .chain(PLUGIN_FAULTS.iter().map(|fault| format!("plugin {fault}")))
             .collect()
     }
+}
+
+fn swap_kind(to: &str, trial_steps: u32) -> String {
+    let kind = match (to == SWAPS[0], trial_steps > 0) {
+        (true, true) => "plugin swapped on trial",
+        (true, false) => "plugin swapped",
+        (false, _) => "plugin not swapped",
+    };
+    kind.to_owned()
 }
 
 fn is_fatal(fault: &VehicleFault) -> bool {
@@ -386,6 +419,7 @@ fn vehicle_kind(fault: &VehicleFault) -> &'static str {
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Written {
     Plugin { slot: usize, fault: String, for_s: f64 },
+    Swap { slot: usize, to: String, trial_steps: u32 },
     Kill { for_s: f64, clock_s: f64 },
     Stop { for_s: f64 },
     Hold { for_s: f64 },
@@ -403,6 +437,11 @@ impl Written {
                 slot: *slot,
                 fault: fault.clone(),
                 for_s,
+            },
+            Fault::Swap { slot, to, trial_steps } => Self::Swap {
+                slot: *slot,
+                to: to.clone(),
+                trial_steps: *trial_steps,
             },
             Fault::Kill { clock_s, .. } => Self::Kill {
                 for_s,
@@ -443,6 +482,15 @@ impl Written {
                     fault,
                     lasts: span(for_s)?,
                 }
+            }
+            Self::Swap { slot, to, trial_steps } => {
+                if slot > 1 || !SWAPS.contains(&to.as_str()) {
+                    return Err(format!(
+                        "slot is {slot} and to is {to:?}: expected 0 or 1, and one of {}",
+                        SWAPS.join(", ")
+                    ));
+                }
+                Fault::Swap { slot, to, trial_steps }
             }
             Self::Kill { for_s, clock_s } => {
                 if !(-1e8..=1e8).contains(&clock_s) {

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use backseat_core::Operator;
-use backseat_core::plugin::PluginId;
+use backseat_core::plugin::{PluginId, Version};
 use backseat_mission::{Layers, Mission, PluginTable};
 use backseat_mvc::{FaultKind, Status};
 use backseat_oracle::State;
@@ -19,7 +19,7 @@ use backseat_units::Timestamp;
 use tempfile::TempDir;
 
 use crate::excuse::none_is_left;
-use crate::fault::Fault;
+use crate::fault::{Fault, SWAPS};
 use crate::phase::{CALM_S, CHANCE_S, HAND_BACK_S, LEAST_S, LINK_WITHIN, LONGEST_S, LOOK_EVERY, NONE_WITHIN};
 use crate::plan::{Come, Plan, Planned, until_calm};
 
@@ -375,6 +375,20 @@ impl<'a> Flown<'a> {
                 self.simulation.substitute(PluginId(slot), Some(understudy));
                 self.later(now + lasts, Act::Own(slot));
                 self.none_since = now;
+            }
+            Fault::Swap { slot, to, trial_steps } => {
+                let table = if to == SWAPS[0] {
+                    self.mission.file.plugins[slot].clone()
+                } else {
+                    self.bad(slot, "trap")?
+                };
+                let ready = self.components.start_one(&to, &table, self.mission)?;
+                let version = Version {
+                    version: to,
+                    sha256: String::new(),
+                    trial_steps,
+                };
+                self.simulation.swap(PluginId(slot), ready, version);
             }
             Fault::AllTrap { lasts } => {
                 for slot in 0..self.mission.file.plugins.len() {

@@ -28,7 +28,7 @@ mod shrink;
 pub use clean::Alarm;
 pub use coverage::Coverage;
 pub use digests::{Digests, each_seed, of_mission, of_plans};
-pub use fault::{Fault, PLUGIN_FAULTS};
+pub use fault::{Fault, PLUGIN_FAULTS, SWAPS};
 pub use flight::{Failure, Flight, Range};
 pub use hunt::{Flown, Hunt, Order};
 pub use plan::{Come, Plan, Planned};

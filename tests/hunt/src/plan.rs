@@ -252,6 +252,7 @@ impl Entry {
         let vehicle = match &planned.fault {
             Fault::Vehicle(fault) => Some(fault_table(fault)),
             Fault::Plugin { .. }
+            | Fault::Swap { .. }
             | Fault::Kill { .. }
             | Fault::Stop { .. }
             | Fault::Hold { .. }

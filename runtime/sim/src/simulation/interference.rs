@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use backseat_core::plugin::PluginId;
+use backseat_core::plugin::{PluginId, Version};
 use backseat_core::{Input, Operator, Start};
 use backseat_mvc::{Direction as Way, Fault, FaultKind};
 use backseat_plugin_host::Plugin;
@@ -124,6 +124,23 @@ impl Simulation {
             let told = self.remark(remark);
             self.or_later(told);
         }
+    }
+
+    /// The operator puts another version, which has been started, in a plugin's place. A process that is stopped, or is
+    /// not there, does not learn of it, and neither does one in which an understudy answers for the plugin. A log has the
+    /// swap, and not the component.
+    pub fn swap(&mut self, slot: PluginId, ready: Plugin, version: Version) {
+        if self.finished || !self.is_awake() {
+            return;
+        }
+        if let Some(process) = &mut self.process {
+            if process.has_understudy(slot) {
+                return;
+            }
+            process.offer(slot, ready, version.clone());
+        }
+        let told = self.feed(Input::Swap(slot, version));
+        self.or_later(told);
     }
 
     /// Sets whether SPI identifiers can no longer be reserved, as on a full disk: the runtime's requests for them then

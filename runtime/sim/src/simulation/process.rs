@@ -1,9 +1,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_core::plugin::{NavigationSample, PluginId, Returned, StepInput};
+use backseat_core::plugin::{NavigationSample, PluginId, Returned, StepInput, Version};
 use backseat_core::{Core, Envelope, Input, Operator, Reservation, Restarted, Settings, Start};
-use backseat_plugin_host::Plugin;
+use backseat_plugin_host::{Plugin, Seat};
 use backseat_plugin_loader::Loaded;
 use backseat_sonar_bridge::Bridge;
 use backseat_units::{Position, Timestamp};
@@ -33,8 +33,8 @@ pub(super) struct Process {
 
 /// A plugin, and the other plugin that stands in for it.
 struct Slot {
-    plugin: Plugin,
-    understudy: Option<Plugin>,
+    plugin: Seat,
+    understudy: Option<Seat>,
 }
 
 /// A plugin's answer that is under way.
@@ -81,7 +81,7 @@ impl Process {
         bridge: Option<Bridge>,
     ) -> Self {
         let slot = |plugin| Slot {
-            plugin,
+            plugin: Seat::new(plugin),
             understudy: None,
         };
         Self {
@@ -161,17 +161,25 @@ impl Process {
     pub(super) fn restart(&mut self, now: Timestamp, plugin: PluginId) {
         let restarted = self.plugins[plugin.0].flown().restart();
         let at = now + Duration::from_nanos(restarted.fuel * (1_000_000_000 / FUEL_PER_SECOND));
-        let restarted = Restarted {
-            fuel: restarted.fuel,
-            lost_steps: restarted.lost_steps,
-            result: restarted.result,
-        };
         self.answers.push((at, plugin, Answer::Restarted(restarted)));
     }
 
     pub(super) fn substitute(&mut self, plugin: PluginId, understudy: Option<Plugin>) {
         if let Some(slot) = self.plugins.get_mut(plugin.0) {
-            slot.understudy = understudy;
+            slot.understudy = understudy.map(Seat::new);
+        }
+    }
+
+    /// Whether another plugin stands in for this one.
+    pub(super) fn has_understudy(&self, plugin: PluginId) -> bool {
+        let slot = self.plugins.get(plugin.0);
+        slot.is_some_and(|slot| slot.understudy.is_some())
+    }
+
+    /// Has a version take a plugin's place at its next restart.
+    pub(super) fn offer(&mut self, plugin: PluginId, ready: Plugin, version: Version) {
+        if let Some(slot) = self.plugins.get_mut(plugin.0) {
+            slot.plugin.offer(ready, version);
         }
     }
 
@@ -214,7 +222,7 @@ impl Process {
 
 impl Slot {
     /// The plugin that answers now: its understudy, if there is one.
-    fn flown(&mut self) -> &mut Plugin {
+    fn flown(&mut self) -> &mut Seat {
         self.understudy.as_mut().unwrap_or(&mut self.plugin)
     }
 }

@@ -1,12 +1,12 @@
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::mpsc::Receiver;
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::{io, thread};
 
 use backseat_recorder::schema_of;
 use foxglove::websocket::{ChannelView, Client, ServerListener};
-use foxglove::{Context, PartialMetadata, RawChannel, Schema, WebSocketServer, WebSocketServerHandle};
+use foxglove::{Context, FoxgloveError, PartialMetadata, RawChannel, Schema, WebSocketServer, WebSocketServerHandle};
 use tracing::warn;
 
 use crate::feed::{Feed, Told};
@@ -49,32 +49,29 @@ pub fn serve(address: SocketAddr, name: &str, began_ns: u64) -> Result<(Feed, So
     if !address.ip().is_loopback() {
         return Err(ViewerError::Address(address));
     }
-    let context = Context::new();
-    let kept = Arc::new(Kept::default());
-    let server = WebSocketServer::new()
-        .name(name)
-        .bind(address.ip().to_string(), address.port())
-        .context(&context)
-        .capabilities([])
-        .message_backlog_size(BACKLOG)
-        .listener(kept.clone());
-    let server = server.start_blocking().map_err(|error| ViewerError::Listen {
-        address,
-        message: error.to_string(),
-    })?;
-    let bound = SocketAddr::new(address.ip(), server.port());
     let (feed, heard) = Feed::new();
-    let live = Live {
-        context,
-        server,
-        channels: BTreeMap::new(),
-        kept,
-        began_ns,
-    };
-    thread::Builder::new()
-        .name("viewer".to_owned())
-        .spawn(move || live.run(&heard))?;
-    Ok((feed, bound))
+    let (tell, told) = channel();
+    let name = name.to_owned();
+    // The library starts a runtime of its own, which a thread of another runtime must not wait for.
+    thread::Builder::new().name("viewer".to_owned()).spawn(move || {
+        let live = Live::start(address, &name, began_ns);
+        let started = live
+            .as_ref()
+            .map(|live| live.server.port())
+            .map_err(ToString::to_string);
+        // Whoever asked waits for this.
+        let _asked = tell.send(started);
+        if let Ok(live) = live {
+            live.run(&heard);
+        }
+    })?;
+    let started = told
+        .recv()
+        .unwrap_or_else(|_| Err("its thread has panicked".to_owned()));
+    match started {
+        Ok(port) => Ok((feed, SocketAddr::new(address.ip(), port))),
+        Err(message) => Err(ViewerError::Listen { address, message }),
+    }
 }
 
 struct Live {
@@ -87,6 +84,26 @@ struct Live {
 }
 
 impl Live {
+    fn start(address: SocketAddr, name: &str, began_ns: u64) -> Result<Self, FoxgloveError> {
+        let context = Context::new();
+        let kept = Arc::new(Kept::default());
+        let server = WebSocketServer::new()
+            .name(name)
+            .bind(address.ip().to_string(), address.port())
+            .context(&context)
+            .capabilities([])
+            .message_backlog_size(BACKLOG)
+            .listener(kept.clone())
+            .start_blocking()?;
+        Ok(Self {
+            context,
+            server,
+            channels: BTreeMap::new(),
+            kept,
+            began_ns,
+        })
+    }
+
     fn run(mut self, heard: &Receiver<Told>) {
         while let Ok(told) = heard.recv() {
             self.log(&told);

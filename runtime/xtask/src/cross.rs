@@ -10,25 +10,30 @@ use crate::cargo::{add_target, run, target};
 /// Linked statically, so that the program runs under qemu without a sysroot.
 const TARGET: &str = "aarch64-unknown-linux-musl";
 /// From PyPI: a C compiler and linker for every platform, and a wrapper that makes Cargo use it.
-const PACKAGES: [&str; 2] = ["ziglang==0.17.1", "cargo-zigbuild==0.24.0"];
+const PACKAGES: [&str; 2] = ["ziglang==0.17.1", "cargo-zigbuild==0.24.1"];
 /// Debian's package of emulators, and the names that they have on a PATH.
 const EMULATORS: &str = "qemu-user-static";
 const EMULATOR: [&str; 2] = ["qemu-aarch64-static", "qemu-aarch64"];
 
 /// The program for aarch64, built for release.
 pub(crate) fn release() -> Result<PathBuf> {
-    let zig = zig()?;
     add_target(TARGET)?;
-    let mut path = OsString::from(zig);
-    if let Some(rest) = env::var_os("PATH") {
-        path.push(":");
-        path.push(rest);
-    }
+    let path = zig_first()?;
     println!("> cargo zigbuild --release --package backseat --target {TARGET}");
     run(Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args(["zigbuild", "--release", "--package", "backseat", "--target", TARGET])
         .env("PATH", path))?;
     Ok(target()?.join(TARGET).join("release/backseat"))
+}
+
+/// A PATH on which `cargo-zigbuild` and its Zig come first.
+pub(crate) fn zig_first() -> Result<OsString> {
+    let mut path = OsString::from(zig()?);
+    if let Some(rest) = env::var_os("PATH") {
+        path.push(":");
+        path.push(rest);
+    }
+    Ok(path)
 }
 
 /// The folder with `cargo-zigbuild` and its Zig; creates it if it is missing.

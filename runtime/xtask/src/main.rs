@@ -70,8 +70,10 @@ enum Task {
     Exports,
     /// Test the page of the web console in Chromium, with Node 20 and playwright-core (from npm), and take pictures of it
     Console,
-    /// Build a Debian package of the program for sea, with cargo-deb (from crates.io), its unit, man pages and completions
-    Package,
+    /// Build the program for sea, static and reproducible, for x86_64 and aarch64 (with Zig and cargo-zigbuild from PyPI);
+    /// and of it Debian packages with unit, man pages and completions, and a list of what is in it (with cargo-deb,
+    /// cargo-auditable and cargo-cyclonedx from crates.io)
+    Package(package::Package),
     /// Test the SDK for plugins in Python and fly its plugins, with componentize-py (from PyPI); builds the components of
     /// the plugins in Python into target/plugins. Then build the package `backseat` for studies into target/wheels, with
     /// Maturin (from PyPI), and run its tests and its notebook
@@ -97,7 +99,7 @@ fn main() -> ExitCode {
         Task::Digest(arguments) => digest::digest(&arguments),
         Task::Exports => exports::exports(),
         Task::Console => console::console(),
-        Task::Package => package::package(),
+        Task::Package(arguments) => package::package(&arguments),
         Task::Python => python::python(),
         Task::Reference => reference::reference(),
         Task::Tidy => tidy::tidy(),

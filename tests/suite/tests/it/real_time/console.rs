@@ -147,3 +147,67 @@ fn sr_022_browsers_that_take_nothing_cost_the_loop_nothing() {
     assert!(memory < 400 << 10, "{memory} KiB");
     drop(browsers);
 }
+
+/// Where viewers of a process are served.
+fn viewers(process: &Process) -> String {
+    let line = process.says("open the connection ws://", SOON);
+    line.rsplit("ws://").next().expect("the line has it").trim().to_owned()
+}
+
+/// The first text that a viewer gets after its handshake.
+fn greeted(address: &str) -> String {
+    let mut stream = TcpStream::connect(address).expect("viewers are served");
+    stream.set_read_timeout(Some(SOON)).expect("a socket");
+    let request = format!(
+        "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n"
+    );
+    stream.write_all(request.as_bytes()).expect("it reads");
+    let mut answer = Vec::new();
+    let mut piece = [0; 4096];
+    while !String::from_utf8_lossy(&answer).contains("\"serverInfo\"") {
+        let read = stream.read(&mut piece).expect("it answers");
+        assert!(read > 0, "{}", String::from_utf8_lossy(&answer));
+        answer.extend(&piece[..read]);
+    }
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+#[test]
+fn sr_022_viewers_look_at_a_run_and_cost_the_loop_nothing() {
+    let mission = Mission::steady();
+    let vehicle = Scripted::start(Behavior::default());
+    let process = runtime(&mission, &vehicle.address, &["--arm", "--foxglove=0", "--console=0"]);
+    let (viewers, _console) = (viewers(&process), address(&process));
+    vehicle.hears("BPRMB", 3, SOON);
+    assert!(greeted(&viewers).contains("\"steady\""), "its name is the mission's");
+    // Sockets that say nothing, and ones that say nonsense.
+    let silent: Vec<TcpStream> = (0..300).filter_map(|_| TcpStream::connect(&viewers).ok()).collect();
+    for mut socket in &silent[..50] {
+        let _refused = socket.write_all(&[0xff; 4096]);
+    }
+    let count = vehicle.heard("BPRMB").len();
+    vehicle.hears("BPRMB", count + 6, SOON);
+    let gap_s = worst_gap_s(&vehicle.heard("BPRMB"));
+    assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB");
+    drop(silent);
+    let open = runtime(
+        &mission,
+        &vehicle.address,
+        &["--foxglove=0.0.0.0:0", "--state", "elsewhere"],
+    );
+    open.says("viewers are served on this computer alone", SOON);
+}
+
+#[test]
+fn a_flight_is_shown_to_viewers() {
+    let mission = Mission::steady();
+    let mut flight = Backseat::new()
+        .args(["fly", "--speed", "4", "--foxglove=0", "--log"])
+        .arg(mission.beside("flight.mcap"))
+        .mission(&mission)
+        .spawn();
+    assert!(greeted(&viewers(&flight)).contains("\"steady\""));
+    flight.signal(backseat_suite::Signal::INT);
+    assert_eq!(flight.wait(SOON), Some(0), "{}", flight.stderr());
+}

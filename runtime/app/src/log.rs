@@ -6,6 +6,7 @@ mod files;
 mod info;
 #[cfg(feature = "simulation")]
 mod judge;
+mod report;
 mod show;
 #[cfg(feature = "console")]
 mod view;
@@ -27,6 +28,11 @@ pub(crate) enum Log {
     /// The lines are those that `run` prints, and every state of every request. Times are seconds since the start of
     /// the run.
     Show(show::LogShow),
+    /// Sum up a run on a page: what was asked for, refused, flown and taken back, and by which rule
+    ///
+    /// By owner: how many requests, and how they ended. What was refused, by rule, with the first text of each kind. Inserts
+    /// that the vehicle flew, from when to when. Why leases ended, what the operator did, and what went wrong.
+    Report(report::LogReport),
     /// Look at a run in a browser: map, time line, plugins and refusals
     ///
     /// The page is served for this computer alone until Ctrl-C, and needs no network. The space bar plays the run.
@@ -82,6 +88,7 @@ pub(crate) fn log(command: &Log) -> Result<bool> {
     match command {
         Log::Info(arguments) => info::info(arguments),
         Log::Show(arguments) => show::show(arguments),
+        Log::Report(arguments) => report::report(arguments),
         #[cfg(feature = "console")]
         Log::View(arguments) => view::view(arguments),
         #[cfg(feature = "simulation")]

@@ -117,10 +117,11 @@ impl Live {
             return;
         };
         let at_ns = self.began_ns.saturating_add(told.now.as_nanos());
-        channel.log_with_meta(&told.data, PartialMetadata::with_log_time(at_ns));
+        // In this order a viewer that subscribes in between gets the message twice, and never not at all.
         if lasts(&told.topic) && told.data.len() <= KEPT_BYTES {
-            self.kept.keep(channel, at_ns, &told.data);
+            self.kept.keep(channel.clone(), at_ns, &told.data);
         }
+        channel.log_with_meta(&told.data, PartialMetadata::with_log_time(at_ns));
     }
 
     fn channel(&mut self, topic: &str) -> Option<Arc<RawChannel>> {

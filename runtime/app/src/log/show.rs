@@ -47,7 +47,7 @@ pub(super) fn show(arguments: &LogShow) -> Result<bool> {
 }
 
 /// The plugins' names in priority order, from the mission that is attached to the log.
-fn plugins(log: &Log) -> Vec<String> {
+pub(super) fn plugins(log: &Log) -> Vec<String> {
     let mission = log
         .attachment("mission.toml")
         .and_then(|text| std::str::from_utf8(text).ok());
@@ -60,7 +60,7 @@ fn plugins(log: &Log) -> Vec<String> {
 }
 
 /// The line with the plugins' names. In the log it has their numbers.
-fn named(text: &str, plugins: &[String]) -> String {
+pub(super) fn named(text: &str, plugins: &[String]) -> String {
     // From the last, so that 1 is not found in 10.
     let plugins = plugins.iter().enumerate().rev();
     plugins.fold(text.to_owned(), |text, (number, name)| {

@@ -11,6 +11,7 @@ mod help;
 mod lock;
 mod log_export;
 mod log_judge;
+mod log_report;
 mod older_plugin;
 mod plugin;
 mod predive;

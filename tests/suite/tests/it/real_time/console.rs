@@ -191,11 +191,8 @@ fn sr_022_viewers_look_at_a_run_and_cost_the_loop_nothing() {
     let gap_s = worst_gap_s(&vehicle.heard("BPRMB"));
     assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB");
     drop(silent);
-    let open = runtime(
-        &mission,
-        &vehicle.address,
-        &["--foxglove=0.0.0.0:0", "--state", "elsewhere"],
-    );
+    let other = Mission::steady();
+    let open = runtime(&other, &vehicle.address, &["--foxglove=0.0.0.0:0"]);
     open.says("viewers are served on this computer alone", SOON);
 }
 

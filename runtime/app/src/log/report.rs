@@ -1,0 +1,433 @@
+//! `backseat log report`: what a dive came to, on one page.
+
+mod page;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use backseat_fence::Rfc3339;
+use backseat_recorder::{Log, LoggedInput, Record};
+use clap::Args;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::read_log;
+use super::show::{named, plugins};
+use crate::output::say;
+
+#[derive(Debug, Args)]
+pub(crate) struct LogReport {
+    /// The log, written by `run`, `fly` or `sim --log`
+    #[arg(value_name = "DIVE.mcap")]
+    file: PathBuf,
+    /// Write the page as HTML into this file; it needs no network
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long, conflicts_with = "html")]
+    json: bool,
+}
+
+/// What a dive came to.
+#[derive(Debug, Default, Serialize)]
+struct Report {
+    log: String,
+    mission: String,
+    version: String,
+    seed: Option<u64>,
+    began: String,
+    seconds: f64,
+    complete: bool,
+    /// Records that the disk was too slow for.
+    missing: u64,
+    /// How long the runtime had control, seconds.
+    control_s: f64,
+    /// What was asked for, by owner.
+    asked: BTreeMap<String, Asked>,
+    /// What was refused, the most frequent first.
+    refused: Vec<Refused>,
+    /// Inserts that the vehicle began.
+    flown: Vec<Flown>,
+    /// Leases that ended, by owner and reason.
+    leases: Vec<Lease>,
+    /// What the operator did.
+    operator: Vec<Happened>,
+    /// What went wrong, or was noted about safety: failures of plugins, recovery, navigation, links, late wake-ups.
+    troubles: Vec<Happened>,
+}
+
+/// How the requests of an owner ended.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+struct Asked {
+    all: u64,
+    refused: u64,
+    failed: u64,
+    unanswered: u64,
+    /// Cancelled before they began.
+    cancelled: u64,
+    /// Were carried out, and are over.
+    ended: u64,
+    /// Had no end when the log ended.
+    open: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Refused {
+    owner: String,
+    rule: String,
+    cause: String,
+    times: u64,
+    first_s: f64,
+    /// The first one's text.
+    text: String,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Flown {
+    request: u64,
+    owner: String,
+    kind: String,
+    from_s: f64,
+    /// `None` if it had not ended when the log ended.
+    until_s: Option<f64>,
+    /// How it ended.
+    end: String,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Lease {
+    owner: String,
+    reason: String,
+    times: u64,
+    first_s: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Happened {
+    at_s: f64,
+    text: String,
+}
+
+pub(super) fn report(arguments: &LogReport) -> Result<bool> {
+    let log = read_log(&arguments.file)?;
+    let report = Report::of(&arguments.file.display().to_string(), &log);
+    if arguments.json {
+        say!("{}", serde_json::to_string(&report)?);
+        return Ok(true);
+    }
+    for line in report.lines() {
+        say!("{line}");
+    }
+    if let Some(path) = &arguments.html {
+        std::fs::write(path, page::page(&report)).with_context(|| path.display().to_string())?;
+        say!("page: {}", path.display());
+    }
+    Ok(true)
+}
+
+fn text(value: &Value, key: &str) -> String {
+    value[key].as_str().unwrap_or_default().to_owned()
+}
+
+impl Report {
+    fn of(name: &str, log: &Log) -> Self {
+        let names = plugins(log);
+        let mut report = Self {
+            log: name.to_owned(),
+            mission: log.run.mission.clone(),
+            version: log.run.version.clone(),
+            seed: log.run.seed,
+            began: Rfc3339(log.run.utc_at_start).to_string(),
+            seconds: log.entries.last().map_or(0.0, |entry| entry.now.as_secs_f64()),
+            complete: log.complete,
+            ..Self::default()
+        };
+        let mut collect = Collect {
+            report: &mut report,
+            names: &names,
+            last: BTreeMap::new(),
+            granted: None,
+            acts: 0,
+        };
+        for entry in &log.entries {
+            collect.record(entry.now.as_secs_f64(), &entry.record);
+        }
+        collect.finish();
+        report.refused.sort_by_key(|refused| std::cmp::Reverse(refused.times));
+        report
+    }
+
+    fn lines(&self) -> Vec<String> {
+        let seed = self.seed.map_or_else(String::new, |seed| format!(", seed {seed}"));
+        let mut lines = vec![
+            format!(
+                "{}: {}{seed}, {:.1} min from {}, backseat {}",
+                self.log,
+                self.mission,
+                self.seconds / 60.0,
+                self.began,
+                self.version
+            ),
+            format!("  the runtime had control for {:.1} min", self.control_s / 60.0),
+        ];
+        if !self.complete {
+            lines.push("  the log is cut short: its last records may be missing".to_owned());
+        }
+        if self.missing > 0 {
+            lines.push(format!("  {} records are missing: the disk was too slow", self.missing));
+        }
+        lines.push("asked for".to_owned());
+        for (owner, asked) in &self.asked {
+            lines.push(format!("  {owner}: {}", asked.line()));
+        }
+        section(&mut lines, "refused", self.refused.iter().map(Refused::line));
+        section(&mut lines, "flown", self.flown.iter().map(Flown::line));
+        section(&mut lines, "leases that ended", self.leases.iter().map(Lease::line));
+        section(&mut lines, "the operator", self.operator.iter().map(Happened::line));
+        section(&mut lines, "troubles", self.troubles.iter().map(Happened::line));
+        lines
+    }
+}
+
+fn section(lines: &mut Vec<String>, title: &str, rows: impl Iterator<Item = String>) {
+    let mut rows = rows.peekable();
+    if rows.peek().is_none() {
+        lines.push(format!("{title}: nothing"));
+        return;
+    }
+    lines.push(title.to_owned());
+    lines.extend(rows.map(|row| format!("  {row}")));
+}
+
+impl Asked {
+    fn line(&self) -> String {
+        let Self {
+            all,
+            refused,
+            failed,
+            unanswered,
+            cancelled,
+            ended,
+            open,
+        } = self;
+        let mut line = format!("{all} requests");
+        for (count, word) in [
+            (refused, "refused"),
+            (failed, "failed"),
+            (unanswered, "not answered"),
+            (cancelled, "cancelled before they began"),
+            (ended, "carried out"),
+            (open, "open at the end"),
+        ] {
+            if *count > 0 {
+                line.push_str(&format!(", {count} {word}"));
+            }
+        }
+        line
+    }
+}
+
+impl Refused {
+    fn line(&self) -> String {
+        let Self {
+            owner,
+            times,
+            first_s,
+            text,
+            ..
+        } = self;
+        format!("{owner}: {times} x {text} (first at {first_s:.1} s)")
+    }
+}
+
+impl Flown {
+    fn line(&self) -> String {
+        let until = self
+            .until_s
+            .map_or_else(|| "the end".to_owned(), |until_s| format!("{until_s:.1} s"));
+        format!(
+            "{} {} of {}: {:.1} s to {until}, {}",
+            self.kind, self.request, self.owner, self.from_s, self.end
+        )
+    }
+}
+
+impl Lease {
+    fn line(&self) -> String {
+        format!(
+            "{}: {} x {} (first at {:.1} s)",
+            self.owner, self.times, self.reason, self.first_s
+        )
+    }
+}
+
+impl Happened {
+    fn line(&self) -> String {
+        format!("{:.1} s: {}", self.at_s, self.text)
+    }
+}
+
+/// A request as it was last told of.
+struct Last {
+    owner: String,
+    state: String,
+}
+
+struct Collect<'a> {
+    report: &'a mut Report,
+    names: &'a [String],
+    /// By number in the ledger, and by process: a log of a simulation can have several.
+    last: BTreeMap<(u64, u64), Last>,
+    granted: Option<f64>,
+    acts: u64,
+}
+
+/// At most so many lines of each kind of trouble.
+const TROUBLES_MAX: usize = 200;
+
+impl Collect<'_> {
+    fn record(&mut self, at_s: f64, record: &Record) {
+        match record {
+            Record::Request(request) => self.request(at_s, request),
+            Record::Control(control) => {
+                if control["granted"] == true {
+                    self.granted.get_or_insert(at_s);
+                } else if let Some(since_s) = self.granted.take() {
+                    self.report.control_s += at_s - since_s;
+                }
+            }
+            Record::Note(note) => self.note(at_s, note),
+            // A new process counts its requests anew.
+            Record::Start(_) => self.acts += 1,
+            Record::Gap { records, .. } => self.report.missing += records,
+            Record::Input(LoggedInput::Swap(plugin, version)) => {
+                let name = self.names.get(plugin.0).map_or("?", String::as_str);
+                self.happened(at_s, format!("swap {name} to version {version}"));
+            }
+            Record::Input(_)
+            | Record::Sent(_)
+            | Record::Output(_)
+            | Record::Navigation(_)
+            | Record::Truth(_)
+            | Record::Vehicle(_) => {}
+        }
+    }
+
+    fn owner(&self, request: &Value) -> String {
+        match (request["plugin"].as_u64(), request["owner"].as_str()) {
+            (Some(plugin), _) => self.name(plugin),
+            (None, Some(owner)) => owner.to_owned(),
+            (None, None) => "?".to_owned(),
+        }
+    }
+
+    fn name(&self, plugin: u64) -> String {
+        let name = usize::try_from(plugin).ok().and_then(|plugin| self.names.get(plugin));
+        name.cloned().unwrap_or_else(|| format!("plugin {plugin}"))
+    }
+
+    fn request(&mut self, at_s: f64, request: &Value) {
+        let (owner, state) = (self.owner(request), text(request, "state"));
+        let number = request["request"].as_u64().unwrap_or_default();
+        let key = (self.acts, number);
+        match state.as_str() {
+            "rejected" => {
+                let why = &request["why"];
+                let (rule, cause) = (text(why, "rule"), text(why, "cause"));
+                let same =
+                    |refused: &&mut Refused| (&refused.owner, &refused.rule, &refused.cause) == (&owner, &rule, &cause);
+                match self.report.refused.iter_mut().find(same) {
+                    Some(refused) => refused.times += 1,
+                    None => self.report.refused.push(Refused {
+                        owner: owner.clone(),
+                        rule,
+                        cause,
+                        times: 1,
+                        first_s: at_s,
+                        text: text(request, "reason"),
+                    }),
+                }
+            }
+            "started" => self.report.flown.push(Flown {
+                request: number,
+                owner: owner.clone(),
+                kind: text(request, "kind"),
+                from_s: at_s,
+                until_s: None,
+                end: "not over when the log ended".to_owned(),
+            }),
+            "ended" => {
+                let begun = |flown: &&mut Flown| flown.request == number && flown.until_s.is_none();
+                if let Some(flown) = self.report.flown.iter_mut().rev().find(begun) {
+                    flown.until_s = Some(at_s);
+                    flown.end = text(request, "reason");
+                }
+            }
+            _ => {}
+        }
+        self.last.insert(key, Last { owner, state });
+    }
+
+    fn note(&mut self, at_s: f64, note: &Value) {
+        let line = || named(&text(note, "text"), self.names);
+        match note["note"].as_str().unwrap_or_default() {
+            "lease-ended" => {
+                let owner = note["plugin"]
+                    .as_u64()
+                    .map_or_else(|| "?".to_owned(), |plugin| self.name(plugin));
+                let line = line();
+                let reason = line
+                    .split_once(": ")
+                    .map_or(line.as_str(), |(_, reason)| reason)
+                    .to_owned();
+                // What a zone says has figures that differ; the words before them count.
+                let kind = reason.split([':', '(']).next().unwrap_or_default().to_owned();
+                let same = |lease: &&mut Lease| lease.owner == owner && lease.reason.starts_with(&kind);
+                match self.report.leases.iter_mut().find(same) {
+                    Some(lease) => lease.times += 1,
+                    None => self.report.leases.push(Lease {
+                        owner,
+                        reason,
+                        times: 1,
+                        first_s: at_s,
+                    }),
+                }
+            }
+            "operator" => {
+                let text = line();
+                self.happened(at_s, text);
+            }
+            "plugin-failed" | "plugin-not-swapped" | "recovery" | "navigation" | "late" | "link-down" => {
+                let text = line();
+                if self.report.troubles.len() < TROUBLES_MAX {
+                    self.report.troubles.push(Happened { at_s, text });
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn happened(&mut self, at_s: f64, text: String) {
+        self.report.operator.push(Happened { at_s, text });
+    }
+
+    fn finish(mut self) {
+        if let Some(since_s) = self.granted.take() {
+            self.report.control_s += self.report.seconds - since_s;
+        }
+        for Last { owner, state } in std::mem::take(&mut self.last).into_values() {
+            let asked = self.report.asked.entry(owner).or_default();
+            asked.all += 1;
+            let count = match state.as_str() {
+                "rejected" => &mut asked.refused,
+                "failed" => &mut asked.failed,
+                "timed-out" => &mut asked.unanswered,
+                "cancelled" => &mut asked.cancelled,
+                "ended" => &mut asked.ended,
+                _ => &mut asked.open,
+            };
+            *count += 1;
+        }
+    }
+}

@@ -67,7 +67,7 @@ fn a_run_is_summed_up_by_owner_and_rule() {
 #[test]
 fn the_page_is_one_file_that_loads_nothing_and_runs_nothing() {
     let mission = mission();
-    let (log, _) = flown(&mission, &["--duration", "300"]);
+    let (log, _) = flown(&mission, &[]);
     let page = mission.beside("dive.html");
     let told = Backseat::new()
         .args(["log", "report"])
@@ -89,7 +89,7 @@ fn the_page_is_one_file_that_loads_nothing_and_runs_nothing() {
 #[test]
 fn a_log_that_is_cut_or_is_none_is_told() {
     let mission = Mission::copy("isobath");
-    let (log, _) = flown(&mission, &["--duration", "300"]);
+    let (log, _) = flown(&mission, &[]);
     let bytes = std::fs::read(&log).unwrap();
     let cut = mission.beside("cut.mcap");
     std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();

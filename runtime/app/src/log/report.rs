@@ -5,26 +5,27 @@ mod page;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use backseat_fence::Rfc3339;
 use backseat_recorder::{Log, LoggedInput, Record};
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 
+use super::files::each;
 use super::read_log;
 use super::show::{named, plugins};
 use crate::output::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogReport {
-    /// The log, written by `run`, `fly` or `sim --log`
-    #[arg(value_name = "DIVE.mcap")]
-    file: PathBuf,
-    /// Write the page as HTML into this file; it needs no network
+    /// The logs, written by `run`, `fly` or `sim --log`
+    #[arg(value_name = "DIVE.mcap", required = true)]
+    files: Vec<PathBuf>,
+    /// Write the page of one log as HTML into this file; it needs no network
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
-    /// Print one JSON object on standard output and nothing else
+    /// Print one JSON object for each log on standard output and nothing else
     #[arg(long, conflicts_with = "html")]
     json: bool,
 }
@@ -110,20 +111,25 @@ struct Happened {
 }
 
 pub(super) fn report(arguments: &LogReport) -> Result<bool> {
-    let log = read_log(&arguments.file)?;
-    let report = Report::of(&arguments.file.display().to_string(), &log);
-    if arguments.json {
-        say!("{}", serde_json::to_string(&report)?);
-        return Ok(true);
+    if let (Some(path), true) = (&arguments.html, arguments.files.len() > 1) {
+        bail!("--html {}: a page is of one log", path.display());
     }
-    for line in report.lines() {
-        say!("{line}");
-    }
-    if let Some(path) = &arguments.html {
-        std::fs::write(path, page::page(&report)).with_context(|| path.display().to_string())?;
-        say!("page: {}", path.display());
-    }
-    Ok(true)
+    each(&arguments.files, |file| {
+        let log = read_log(file)?;
+        let report = Report::of(&file.display().to_string(), &log);
+        if arguments.json {
+            say!("{}", serde_json::to_string(&report)?);
+            return Ok(true);
+        }
+        for line in report.lines() {
+            say!("{line}");
+        }
+        if let Some(path) = &arguments.html {
+            std::fs::write(path, page::page(&report)).with_context(|| path.display().to_string())?;
+            say!("page: {}", path.display());
+        }
+        Ok(true)
+    })
 }
 
 fn text(value: &Value, key: &str) -> String {

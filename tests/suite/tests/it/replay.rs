@@ -78,7 +78,7 @@ fn a_recorded_run_is_replayed_to_the_same_bytes() {
         "outputs of",
         "all identical",
         "  identical\n",
-        "x life",
+        "x real time",
     ] {
         assert!(text.stdout.contains(part), "{part}: {text}");
     }

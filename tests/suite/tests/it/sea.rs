@@ -35,10 +35,13 @@ fn the_program_for_sea_has_no_commands_of_the_simulation() {
     assert_eq!(
         commands(&help(&["--help"])),
         [
-            "run", "check", "doctor", "replay", "log", "spi", "s7k", "key", "explain", "help"
+            "run", "check", "doctor", "replay", "log", "spi", "s7k", "swap", "key", "explain", "help"
         ]
     );
-    assert_eq!(commands(&help(&["log", "--help"])), ["info", "show", "view", "help"]);
+    assert_eq!(
+        commands(&help(&["log", "--help"])),
+        ["info", "show", "report", "view", "help"]
+    );
     let sim = Backseat::new().for_sea().args(["sim", "x"]).run().exit(2);
     assert!(sim.stderr.contains("unrecognized subcommand 'sim'"), "{sim}");
 }

@@ -141,7 +141,7 @@ fn the_readmes_commands_run_and_print_what_it_shows() {
         .output()
         .unwrap();
     for line in String::from_utf8_lossy(&flown.stdout).lines() {
-        if !line.contains(" x life") && !line.contains("map:") {
+        if !line.contains(" x real time") && !line.contains("map:") {
             assert!(readme.contains(line), "README does not show {line:?}");
         }
     }

@@ -28,7 +28,7 @@ pub(crate) enum Log {
     /// The lines are those that `run` prints, and every state of every request. Times are seconds since the start of
     /// the run.
     Show(show::LogShow),
-    /// Sum up a run on a page: what was asked for, refused, flown and taken back, and by which rule
+    /// Sum up a run: what was asked for, refused, flown and taken back
     ///
     /// By owner: how many requests, and how they ended. What was refused, by rule, with the first text of each kind. Inserts
     /// that the vehicle flew, from when to when. Why leases ended, what the operator did, and what went wrong.

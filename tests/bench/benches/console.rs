@@ -18,10 +18,11 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Navigation comes ten times a second.
-const EVERY: Duration = Duration::from_millis(100);
+/// Navigation comes a little more than three times a second: a modify that has changed is sent at once if the last BPRMB was
+/// sent 0.2 s ago or more.
+const EVERY: Duration = Duration::from_millis(300);
 /// How long each run is measured.
-const LASTS: Duration = Duration::from_secs(60);
+const LASTS: Duration = Duration::from_secs(30);
 const BROWSERS: usize = 10;
 
 fn main() {

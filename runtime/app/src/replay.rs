@@ -15,6 +15,7 @@ use crate::cache::host_with;
 use crate::clock::Clock;
 use crate::log::expected_log;
 use crate::output::say;
+use crate::swap::named_file;
 
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
@@ -22,10 +23,10 @@ pub(crate) struct Replay {
     #[arg(value_name = "DIVE.mcap")]
     pub(crate) log: PathBuf,
     /// Step the component in FILE in place of the plugin NAME, and show what it would have asked for on the same inputs
-    #[arg(long = "plugin", value_name = "NAME=FILE", value_parser = component)]
+    #[arg(long = "plugin", value_name = "NAME=FILE", value_parser = named_file)]
     pub(crate) plugins: Vec<(String, PathBuf)>,
     /// Step the plugin NAME with the config in FILE, TOML, in place of the recorded one
-    #[arg(long = "config", value_name = "NAME=FILE.toml", value_parser = component)]
+    #[arg(long = "config", value_name = "NAME=FILE.toml", value_parser = named_file)]
     pub(crate) configs: Vec<(String, PathBuf)>,
     /// Step a plugin with another value in its config: plugin.NAME.config.KEY=VALUE
     #[arg(long, value_name = "KEY=VALUE")]
@@ -48,13 +49,6 @@ pub(crate) struct Replay {
     /// Print one JSON object on standard output and nothing else
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-fn component(text: &str) -> Result<(String, PathBuf), String> {
-    match text.split_once('=') {
-        Some((name, file)) if !name.is_empty() && !file.is_empty() => Ok((name.to_owned(), PathBuf::from(file))),
-        _ => Err("expected NAME=FILE with the name of a plugin of the mission".to_owned()),
-    }
 }
 
 pub(crate) fn replay(arguments: &Replay) -> Result<bool> {

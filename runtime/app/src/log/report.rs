@@ -87,6 +87,9 @@ struct Refused {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct Flown {
     request: u64,
+    /// Which process of a simulation asked for it: each counts its requests anew.
+    #[serde(skip)]
+    process: u64,
     owner: String,
     kind: String,
     from_s: f64,
@@ -154,7 +157,7 @@ impl Report {
             names: &names,
             last: BTreeMap::new(),
             granted: None,
-            acts: 0,
+            process: 0,
         };
         for entry in &log.entries {
             collect.record(entry.now.as_secs_f64(), &entry.record);
@@ -286,7 +289,7 @@ struct Collect<'a> {
     /// By number in the ledger, and by process: a log of a simulation can have several.
     last: BTreeMap<(u64, u64), Last>,
     granted: Option<f64>,
-    acts: u64,
+    process: u64,
 }
 
 /// At most so many lines of each kind of trouble.
@@ -305,7 +308,7 @@ impl Collect<'_> {
             }
             Record::Note(note) => self.note(at_s, note),
             // A new process counts its requests anew.
-            Record::Start(_) => self.acts += 1,
+            Record::Start(_) => self.process += 1,
             Record::Gap { records, .. } => self.report.missing += records,
             Record::Input(LoggedInput::Swap(plugin, version)) => {
                 let name = self.names.get(plugin.0).map_or("?", String::as_str);
@@ -336,7 +339,7 @@ impl Collect<'_> {
     fn request(&mut self, at_s: f64, request: &Value) {
         let (owner, state) = (self.owner(request), text(request, "state"));
         let number = request["request"].as_u64().unwrap_or_default();
-        let key = (self.acts, number);
+        let key = (self.process, number);
         match state.as_str() {
             "rejected" => {
                 let why = &request["why"];
@@ -357,6 +360,7 @@ impl Collect<'_> {
             }
             "started" => self.report.flown.push(Flown {
                 request: number,
+                process: self.process,
                 owner: owner.clone(),
                 kind: text(request, "kind"),
                 from_s: at_s,
@@ -364,7 +368,7 @@ impl Collect<'_> {
                 end: "not over when the log ended".to_owned(),
             }),
             "ended" => {
-                let begun = |flown: &&mut Flown| flown.request == number && flown.until_s.is_none();
+                let begun = |flown: &&mut Flown| (flown.process, flown.request) == key && flown.until_s.is_none();
                 if let Some(flown) = self.report.flown.iter_mut().rev().find(begun) {
                     flown.until_s = Some(at_s);
                     flown.end = text(request, "reason");

@@ -1,8 +1,9 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 
 use backseat_units::Timestamp;
+use tokio::sync::mpsc::error::TrySendError;
+use tokio::sync::mpsc::{Receiver, Sender, channel};
 
 /// How many messages may wait for the thread that serves them: some seconds of a run.
 const WAITING: usize = 4096;
@@ -18,13 +19,13 @@ pub(crate) struct Told {
 /// The run's end. When the last clone is dropped, the server ends.
 #[derive(Clone, Debug)]
 pub struct Feed {
-    queue: SyncSender<Told>,
+    queue: Sender<Told>,
     lost: Arc<AtomicU64>,
 }
 
 impl Feed {
     pub(crate) fn new() -> (Self, Receiver<Told>) {
-        let (queue, heard) = sync_channel(WAITING);
+        let (queue, heard) = channel(WAITING);
         let lost = Arc::default();
         (Self { queue, lost }, heard)
     }
@@ -42,7 +43,7 @@ impl Feed {
                 self.lost.fetch_add(1, Ordering::Relaxed);
             }
             // The thread has ended, and nobody misses it.
-            Err(TrySendError::Disconnected(_)) => {}
+            Err(TrySendError::Closed(_)) => {}
         }
     }
 

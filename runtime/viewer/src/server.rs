@@ -1,12 +1,16 @@
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 use std::{io, thread};
 
 use backseat_recorder::schema_of;
 use foxglove::websocket::{ChannelView, Client, ServerListener};
 use foxglove::{Context, FoxgloveError, PartialMetadata, RawChannel, Schema, WebSocketServer, WebSocketServerHandle};
+use tokio::runtime;
+use tokio::sync::mpsc::Receiver;
+use tokio::time::timeout;
 use tracing::warn;
 
 use crate::feed::{Feed, Told};
@@ -15,6 +19,8 @@ use crate::feed::{Feed, Told};
 pub const PORT: u16 = 8765;
 /// How many messages may wait for one viewer. The oldest give way.
 const BACKLOG: usize = 512;
+/// How long viewers have to take the goodbye at the end.
+const GOODBYE: Duration = Duration::from_secs(1);
 /// A message that is larger is not kept for viewers that come later, bytes.
 const KEPT_BYTES: usize = 1 << 20;
 
@@ -50,20 +56,13 @@ pub fn serve(address: SocketAddr, name: &str, began_ns: u64) -> Result<(Feed, So
         return Err(ViewerError::Address(address));
     }
     let (feed, heard) = Feed::new();
-    let (tell, told) = channel();
+    let (tell, told) = sync_channel(1);
     let name = name.to_owned();
-    // The library starts a runtime of its own, which a thread of another runtime must not wait for.
+    // Everything runs on this one thread. The library advertises a channel before it notes that a client knows it, so that
+    // with a second thread the answer of a quick client comes too early and is refused.
+    let runtime = runtime::Builder::new_current_thread().enable_all().build()?;
     thread::Builder::new().name("viewer".to_owned()).spawn(move || {
-        let live = Live::start(address, &name, began_ns);
-        let started = live
-            .as_ref()
-            .map(|live| live.server.port())
-            .map_err(ToString::to_string);
-        // Whoever asked waits for this.
-        let _asked = tell.send(started);
-        if let Ok(live) = live {
-            live.run(&heard);
-        }
+        runtime.block_on(served(address, &name, began_ns, &tell, heard));
     })?;
     let started = told
         .recv()
@@ -71,6 +70,25 @@ pub fn serve(address: SocketAddr, name: &str, began_ns: u64) -> Result<(Feed, So
     match started {
         Ok(port) => Ok((feed, SocketAddr::new(address.ip(), port))),
         Err(message) => Err(ViewerError::Listen { address, message }),
+    }
+}
+
+/// Serves until the feed is dropped. Whoever asked for it waits for what is told: the port, or why there is none.
+async fn served(
+    address: SocketAddr,
+    name: &str,
+    began_ns: u64,
+    tell: &SyncSender<Result<u16, String>>,
+    heard: Receiver<Told>,
+) {
+    let live = Live::start(address, name, began_ns).await;
+    let started = live
+        .as_ref()
+        .map(|live| live.server.port())
+        .map_err(ToString::to_string);
+    let _asked = tell.send(started);
+    if let Ok(live) = live {
+        live.run(heard).await;
     }
 }
 
@@ -84,7 +102,7 @@ struct Live {
 }
 
 impl Live {
-    fn start(address: SocketAddr, name: &str, began_ns: u64) -> Result<Self, FoxgloveError> {
+    async fn start(address: SocketAddr, name: &str, began_ns: u64) -> Result<Self, FoxgloveError> {
         let context = Context::new();
         let kept = Arc::new(Kept::default());
         let server = WebSocketServer::new()
@@ -94,7 +112,8 @@ impl Live {
             .capabilities([])
             .message_backlog_size(BACKLOG)
             .listener(kept.clone())
-            .start_blocking()?;
+            .start()
+            .await?;
         Ok(Self {
             context,
             server,
@@ -104,12 +123,12 @@ impl Live {
         })
     }
 
-    fn run(mut self, heard: &Receiver<Told>) {
-        while let Ok(told) = heard.recv() {
+    async fn run(mut self, mut heard: Receiver<Told>) {
+        while let Some(told) = heard.recv().await {
             self.log(&told);
         }
-        // The run has ended.
-        let _ended = self.server.stop();
+        // The run has ended. A viewer that takes nothing would not take its goodbye either.
+        let _told = timeout(GOODBYE, self.server.stop().wait()).await;
     }
 
     fn log(&mut self, told: &Told) {
@@ -117,7 +136,6 @@ impl Live {
             return;
         };
         let at_ns = self.began_ns.saturating_add(told.now.as_nanos());
-        // In this order a viewer that subscribes in between gets the message twice, and never not at all.
         if lasts(&told.topic) && told.data.len() <= KEPT_BYTES {
             self.kept.keep(channel.clone(), at_ns, &told.data);
         }

@@ -118,6 +118,32 @@ fn a_viewer_sees_the_channels_of_the_log_with_their_schemas_and_times() {
     assert!(at_ns >= BEGAN_NS + 9_000_000_000, "{at_ns}");
 }
 
+/// The library advertises a channel before it notes that a client knows it. A client on the same computer is quicker now
+/// and then, and its subscription was refused.
+#[test]
+fn a_viewer_that_subscribes_at_once_is_never_refused() {
+    let (feed, address) = served();
+    let mut viewers: Vec<Viewer> = (0..4).map(|_| Viewer::connected(address)).collect();
+    for channel in 0..500 {
+        feed.tell(Timestamp::ZERO, &format!("/measures/m{channel}"), br#"{"value":1}"#);
+    }
+    for viewer in &mut viewers {
+        let mut subscribed = 0;
+        while subscribed < 500 {
+            let message = viewer.next_json();
+            assert_ne!(message["op"], "status", "{message}");
+            for channel in message["channels"].as_array().into_iter().flatten() {
+                subscribed += 1;
+                viewer.subscribe(subscribed, &channel["id"]);
+            }
+        }
+        // All have arrived when the last one is refused.
+        viewer.subscribe(999, &json!(999_999));
+        let refused = viewer.next_json();
+        assert_eq!(refused["message"], "Unknown channel ID: 999999");
+    }
+}
+
 #[test]
 fn viewers_that_take_nothing_or_send_nonsense_delay_nobody() {
     let (feed, address) = served();

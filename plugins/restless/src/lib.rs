@@ -1,4 +1,7 @@
-//! Asks for another heading in each step, ten times a second, for benchmarks of how soon the runtime reacts.
+//! Asks for another heading in each step, for benchmarks of how soon the runtime reacts to navigation.
+//!
+//! A step comes with the first navigation after its period. The benchmark's navigation comes a little more seldom, so that each
+//! message of it brings one step.
 
 use backseat_sdk::{Description, Grant, Modify, Plugin, Request, StepInput, Vertical};
 use serde::Deserialize;
@@ -29,7 +32,7 @@ impl Plugin for Restless {
         Description {
             name: "restless".into(),
             version: env!("CARGO_PKG_VERSION").into(),
-            step_period_ns: 100_000_000,
+            step_period_ns: 250_000_000,
             topics: vec![],
             grants: vec![Grant::Modify],
         }

@@ -19,7 +19,8 @@ use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Navigation comes a little more than three times a second: a modify that has changed is sent at once if the last BPRMB was
-/// sent 0.2 s ago or more.
+/// sent 0.2 s ago or more, and the plugin's period is shorter than this and longer than two thirds of it, so that each of its
+/// steps comes with navigation.
 const EVERY: Duration = Duration::from_millis(300);
 /// How long each run is measured.
 const LASTS: Duration = Duration::from_secs(30);

@@ -199,8 +199,8 @@ struct Flown<'a> {
     silent_s: Option<f64>,
     /// Whether the vehicle steers itself, and none of our requests is open.
     converged: bool,
-    /// When a plugin was last replaced.
-    none_since: Timestamp,
+    /// Since when all plugins trap, if nothing has replaced one of them after that.
+    none_since: Option<Timestamp>,
     /// Until then the runtime is not running, and does not know what it misses.
     away_until: Timestamp,
 }
@@ -253,7 +253,7 @@ impl<'a> Flown<'a> {
             at_calm: None,
             silent_s: None,
             converged: false,
-            none_since: Timestamp::ZERO,
+            none_since: None,
             away_until: Timestamp::ZERO,
         };
         for planned in &plan.faults {
@@ -325,7 +325,7 @@ impl<'a> Flown<'a> {
             Act::Begin(fault) => self.begin(fault)?,
             Act::Own(slot) => {
                 self.simulation.substitute(PluginId(slot), None);
-                self.none_since = self.simulation.now();
+                self.none_since = None;
             }
             Act::NoneSteers => self.judge_none(),
             Act::Release => self.simulation.operate(Operator::Release),
@@ -374,9 +374,10 @@ impl<'a> Flown<'a> {
                 let understudy = self.components.start_one("faulty", &table, self.mission)?;
                 self.simulation.substitute(PluginId(slot), Some(understudy));
                 self.later(now + lasts, Act::Own(slot));
-                self.none_since = now;
+                self.none_since = None;
             }
             Fault::Swap { slot, to, trial_steps } => {
+                self.none_since = None;
                 let table = if to == SWAPS[0] {
                     self.mission.file.plugins[slot].clone()
                 } else {
@@ -400,7 +401,7 @@ impl<'a> Flown<'a> {
                 if lasts > NONE_WITHIN {
                     self.later(now + NONE_WITHIN, Act::NoneSteers);
                 }
-                self.none_since = now;
+                self.none_since = Some(now);
             }
             Fault::Kill { away, clock_s } => {
                 let loaded = self.components.start(self.mission)?;
@@ -441,8 +442,9 @@ impl<'a> Flown<'a> {
             self.simulation.state(),
             State::Lease | State::LeaseInsert | State::Station
         );
-        if steered && self.simulation.now() > self.away_until && self.none_since + NONE_WITHIN <= self.simulation.now()
-        {
+        let now = self.simulation.now();
+        let none = self.none_since.is_some_and(|since| since + NONE_WITHIN <= now);
+        if steered && now > self.away_until && none {
             self.fail("dead-plugin-steers", || {
                 format!(
                     "a lease or station keeping lives {} s after all plugins have trapped",

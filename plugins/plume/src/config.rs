@@ -32,6 +32,9 @@ pub struct Config {
     /// Whether the survey interrupts the current behavior when it begins; if false, it follows it.
     #[serde(default)]
     pub interrupt: bool,
+    /// If false, no cross is flown, and the maximum is that of the even lines alone, to compare with.
+    #[serde(default = "default::adaptive")]
+    pub adaptive: bool,
 }
 
 /// A quantity that the CTD measures.
@@ -90,6 +93,9 @@ mod default {
     }
     pub(super) const fn cross_m() -> f64 {
         150.0
+    }
+    pub(super) const fn adaptive() -> bool {
+        true
     }
 }
 

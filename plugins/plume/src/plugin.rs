@@ -179,7 +179,7 @@ impl Plume {
                 );
                 queue.extend(lines.into_iter().map(Leg::Line));
             }
-            Stage::Map if queue.last_progress() >= DECIDE_MAP => {
+            Stage::Map if self.config.adaptive && queue.last_progress() >= DECIDE_MAP => {
                 let Some(found) = self.find(now_ns, requests) else {
                     return;
                 };
@@ -188,20 +188,10 @@ impl Plume {
                 self.state.queue.extend(cross.map(Leg::Line));
                 self.state.stage = Stage::Cross;
             }
-            Stage::Cross if queue.last_progress() >= DECIDE_CROSS => {
-                let Some(found) = self.find(now_ns, requests) else {
-                    return;
-                };
-                let circle = Leg::Circle(Circle {
-                    centre: found.centre,
-                    radius_m: self.config.circle_radius_m,
-                    orbits: self.config.orbits,
-                    entry_deg: Some(found.centre.bearing_deg(self.last_end(here))),
-                });
-                requests.push(Request::Message(self.report(&found)));
-                self.state.queue.push(circle);
-                self.state.stage = Stage::Circle;
+            Stage::Map if !self.config.adaptive && queue.last_progress() >= DECIDE_CROSS => {
+                self.circle(here, now_ns, requests);
             }
+            Stage::Cross if queue.last_progress() >= DECIDE_CROSS => self.circle(here, now_ns, requests),
             Stage::Circle if queue.is_done() => {
                 *stage = Stage::Done;
                 let text = if queue.last_flown() {
@@ -214,6 +204,22 @@ impl Plume {
             }
             Stage::Map | Stage::Cross | Stage::Circle | Stage::Done => {}
         }
+    }
+
+    /// Adds the circle around the maximum, if there is one.
+    fn circle(&mut self, here: EastNorth, now_ns: u64, requests: &mut Vec<Request>) {
+        let Some(found) = self.find(now_ns, requests) else {
+            return;
+        };
+        let circle = Leg::Circle(Circle {
+            centre: found.centre,
+            radius_m: self.config.circle_radius_m,
+            orbits: self.config.orbits,
+            entry_deg: Some(found.centre.bearing_deg(self.last_end(here))),
+        });
+        requests.push(Request::Message(self.report(&found)));
+        self.state.queue.push(circle);
+        self.state.stage = Stage::Circle;
     }
 
     /// The maximum now. Ends the survey if there is none and nothing is left to measure.

@@ -4,6 +4,7 @@
 mod export;
 mod files;
 mod info;
+mod join;
 #[cfg(feature = "simulation")]
 mod judge;
 mod report;
@@ -13,7 +14,7 @@ mod view;
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use backseat_mission::Mission;
 use backseat_plugin_loader::Loaded;
 use backseat_recorder::{RecorderError, Sources, read};
@@ -33,6 +34,11 @@ pub(crate) enum Log {
     /// By owner: how many requests, and how they ended. What was refused, by rule, with the first text of each kind. Inserts
     /// that the vehicle flew, from when to when. Why leases ended, what the operator did, and what went wrong.
     Report(report::LogReport),
+    /// Make one log of the parts that `run --log-split` writes
+    ///
+    /// The parts may be named in any order, and all of them up to the last one must be there. Replay, report and judge read the
+    /// new log as if it had never been split.
+    Join(join::LogJoin),
     /// Look at a run in a browser: map, time line, plugins and refusals
     ///
     /// The page is served for this computer alone until Ctrl-C, and needs no network. The space bar plays the run.
@@ -89,6 +95,7 @@ pub(crate) fn log(command: &Log) -> Result<bool> {
         Log::Info(arguments) => info::info(arguments),
         Log::Show(arguments) => show::show(arguments),
         Log::Report(arguments) => report::report(arguments),
+        Log::Join(arguments) => join::join(arguments),
         #[cfg(feature = "console")]
         Log::View(arguments) => view::view(arguments),
         #[cfg(feature = "simulation")]
@@ -110,6 +117,17 @@ pub(crate) fn sources<'a>(mission: &'a Mission, loaded: &'a Loaded) -> Sources<'
     }
 }
 
+/// Refuses a later part of a log: what came before it is missing.
+pub(crate) fn whole(path: &Path, part: u64) -> Result<()> {
+    if part != 1 {
+        bail!(
+            "{}: part {part} of a log, without what came before: expected the whole log, which `backseat log join` makes",
+            path.display()
+        );
+    }
+    Ok(())
+}
+
 fn read_log(path: &Path) -> Result<backseat_recorder::Log> {
     expected_log(read(path))
 }
@@ -117,8 +135,10 @@ fn read_log(path: &Path) -> Result<backseat_recorder::Log> {
 /// Says what was expected of a log that cannot be read.
 pub(crate) fn expected_log<T>(log: Result<T, RecorderError>) -> Result<T> {
     match log {
-        // It is the log of a run.
-        Err(error @ RecorderError::Format { .. }) => Err(error.into()),
+        // It is the log of a run, or one that is written.
+        Err(error @ (RecorderError::Format { .. } | RecorderError::Create { .. } | RecorderError::Write { .. })) => {
+            Err(error.into())
+        }
         log => log.context("expected the log of a run, written by `run`, `fly` or `sim --log`"),
     }
 }

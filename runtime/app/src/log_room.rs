@@ -9,6 +9,7 @@ use anyhow::Result;
 use tracing::warn;
 
 use crate::clock::pause;
+use crate::log_parts::Current;
 
 /// How often the thread looks.
 const LOOK_EVERY: Duration = Duration::from_secs(20);
@@ -20,7 +21,7 @@ const SHORT: u64 = 256 << 20;
 pub(crate) struct LogRoom {
     folder: PathBuf,
     /// The log that is being written.
-    current: PathBuf,
+    current: Current,
     /// Logs of this mission alone are removed.
     mission: String,
     /// Bytes of logs of this mission.
@@ -28,10 +29,10 @@ pub(crate) struct LogRoom {
 }
 
 impl LogRoom {
-    pub(crate) fn new(current: &Path, mission: &str, quota: Option<u64>) -> Self {
+    pub(crate) fn new(current: Current, mission: &str, quota: Option<u64>) -> Self {
         Self {
-            folder: current.parent().map(Path::to_path_buf).unwrap_or_default(),
-            current: current.to_path_buf(),
+            folder: current.path().parent().map(Path::to_path_buf).unwrap_or_default(),
+            current,
             mission: mission.to_owned(),
             quota,
         }
@@ -59,11 +60,12 @@ impl LogRoom {
         let mut logs = self.logs();
         let mut total: u64 = logs.iter().map(|(_, _, size)| size).sum();
         logs.sort();
+        let current = self.current.path();
         for (_, path, size) in logs {
             if total <= quota {
                 return;
             }
-            if path == self.current {
+            if path == current {
                 continue;
             }
             match fs::remove_file(&path) {
@@ -153,13 +155,13 @@ mod tests {
         for name in others {
             write(name);
         }
-        let current = folder.path().join("dive-900.mcap");
-        LogRoom::new(&current, "dive", Some(2500)).keep_quota();
+        let current = Current::new(&folder.path().join("dive-900.mcap"));
+        LogRoom::new(current.clone(), "dive", Some(2500)).keep_quota();
         let there = |name: &str| folder.path().join(name).exists();
         assert!(there("dive-900.mcap"), "the current log stays, however old its name is");
         assert!(!there("dive-1000.mcap") && !there("dive-2000.mcap") && there("dive-3000.mcap"));
         assert!(others.iter().all(|name| there(name)));
-        LogRoom::new(&current, "dive", None).keep_quota();
+        LogRoom::new(current, "dive", None).keep_quota();
         assert!(there("dive-3000.mcap"));
     }
 

@@ -26,6 +26,7 @@ mod keeper;
 mod link;
 mod lock;
 mod log;
+mod log_parts;
 mod log_room;
 #[cfg(feature = "simulation")]
 mod map;

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -14,7 +14,9 @@ use std::time::Duration;
 use anyhow::Result;
 use backseat_recorder::{Header, Listener, Recorder, RecorderError};
 use backseat_units::Timestamp;
-use tracing::{error, warn};
+use tracing::{error, info, warn};
+
+use crate::log_parts::Parts;
 
 /// Bytes that may wait for the disk: minutes of an ordinary run.
 const WAITING_MAX: usize = 32 << 20;
@@ -34,6 +36,8 @@ pub(crate) struct Recording {
     disk: Arc<Disk>,
     gap: Option<Gap>,
     ended: Receiver<()>,
+    /// When the log goes on in another file; `None` for never.
+    parts: Option<Parts>,
 }
 
 /// Records that were left out.
@@ -47,6 +51,8 @@ struct Gap {
 #[derive(Debug, Default)]
 struct Disk {
     waiting: AtomicUsize,
+    /// Bytes of the current part.
+    part: AtomicU64,
     failure: Mutex<Option<io::Error>>,
 }
 
@@ -82,30 +88,44 @@ impl Recording {
     /// Writes the log to `file`; messages call it `name`.
     pub(crate) fn to(file: impl Write + Send + 'static, name: String, header: &Header<'_>) -> Result<Self> {
         let disk = Arc::new(Disk::default());
-        let (pieces, waiting) = channel();
-        let (has_ended, ended) = channel();
-        let shared = Arc::clone(&disk);
-        thread::Builder::new().name("log".to_owned()).spawn(move || {
-            // A thread that has panicked takes no more pieces, so the queue stays full and no later send can fail.
-            if catch_unwind(AssertUnwindSafe(|| write_out(file, &waiting, &shared))).is_err() {
-                shared.fail(io::Error::other("its thread has panicked"));
-            }
-            // The loop may have ended.
-            let _gone = has_ended.send(());
-        })?;
-        let queue = Queue {
-            pieces: Some(pieces),
-            disk: Arc::clone(&disk),
-            buffer: Vec::with_capacity(PIECE),
-            position: 0,
-        };
+        let (queue, ended) = queue(Arc::clone(&disk), || Ok(file))?;
         Ok(Self {
             recorder: Some(Recorder::named(queue, name, header)?),
             teller: None,
             disk,
             gap: None,
             ended,
+            parts: None,
         })
+    }
+
+    /// Has the log go on in another file now and then.
+    pub(crate) fn in_parts(mut self, parts: Parts) -> Self {
+        self.parts = Some(parts);
+        self
+    }
+
+    /// Goes on in the next part, if it is due. Its thread creates the file, so that nothing here waits for the disk.
+    fn turn(&mut self, now: Timestamp) -> Result<(), RecorderError> {
+        let bytes = self.disk.part.load(Ordering::Relaxed);
+        let (Some(recorder), None) = (&mut self.recorder, &self.gap) else {
+            return Ok(());
+        };
+        let Some(path) = self.parts.as_mut().and_then(|parts| parts.next(now, bytes)) else {
+            return Ok(());
+        };
+        let name = path.display().to_string();
+        let create = |source| RecorderError::Create {
+            path: path.clone(),
+            source,
+        };
+        let file = path.clone();
+        let (queue, ended) = queue(Arc::clone(&self.disk), move || File::create(file)).map_err(create)?;
+        self.disk.part.store(0, Ordering::Relaxed);
+        info!("the log goes on in {name}");
+        // The thread of the part before ends by itself.
+        self.ended = ended;
+        recorder.turn(queue, name)
     }
 
     /// Runs `act` to record something of the time `now`, where there is room for it. A gap gets this time too: it comes
@@ -145,7 +165,7 @@ impl Recording {
             }
             None => act(recorder),
         };
-        if let Err(error) = result {
+        if let Err(error) = result.and_then(|()| self.turn(now)) {
             error!("the log ends here, the run continues: {error}");
             self.recorder = None;
         }
@@ -175,12 +195,39 @@ impl Recording {
     }
 }
 
-fn write_out(mut file: impl Write, pieces: &Receiver<Vec<u8>>, disk: &Disk) {
-    let mut failed = false;
+/// Starts a thread that opens a file and writes to it. Returns its queue, and what tells that it has ended.
+fn queue<F: Write>(
+    disk: Arc<Disk>,
+    open: impl FnOnce() -> io::Result<F> + Send + 'static,
+) -> io::Result<(Queue, Receiver<()>)> {
+    let (pieces, waiting) = channel();
+    let (has_ended, ended) = channel();
+    let shared = Arc::clone(&disk);
+    thread::Builder::new().name("log".to_owned()).spawn(move || {
+        // A thread that has panicked takes no more pieces, so the queue stays full and no later send can fail.
+        if catch_unwind(AssertUnwindSafe(|| write_out(open(), &waiting, &shared))).is_err() {
+            shared.fail(io::Error::other("its thread has panicked"));
+        }
+        // The loop may have ended.
+        let _gone = has_ended.send(());
+    })?;
+    let queue = Queue {
+        pieces: Some(pieces),
+        disk,
+        buffer: Vec::with_capacity(PIECE),
+        position: 0,
+    };
+    Ok((queue, ended))
+}
+
+fn write_out(file: io::Result<impl Write>, pieces: &Receiver<Vec<u8>>, disk: &Disk) {
+    let mut file = file.map_err(|failure| disk.fail(failure)).ok();
     while let Ok(piece) = pieces.recv() {
         // After a failure the remaining pieces are taken and dropped, so that none pile up until the loop learns of it.
-        if !failed && let Err(failure) = file.write_all(&piece) {
-            failed = true;
+        if let Some(open) = &mut file
+            && let Err(failure) = open.write_all(&piece)
+        {
+            file = None;
             disk.fail(failure);
         }
         disk.waiting.fetch_sub(piece.len(), Ordering::Relaxed);
@@ -213,6 +260,7 @@ impl Write for Queue {
         if self.pieces.is_none() {
             return Ok(bytes.len());
         }
+        self.disk.part.fetch_add(bytes.len() as u64, Ordering::Relaxed);
         self.buffer.extend_from_slice(bytes);
         if self.buffer.len() >= PIECE {
             self.flush()?;

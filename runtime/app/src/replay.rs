@@ -13,7 +13,7 @@ use serde_json::json;
 
 use crate::cache::host_with;
 use crate::clock::Clock;
-use crate::log::expected_log;
+use crate::log::{expected_log, whole};
 use crate::output::say;
 use crate::swap::named_file;
 
@@ -54,6 +54,7 @@ pub(crate) struct Replay {
 pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
     let loading = Clock::start();
     let mut log = expected_log(LogReader::open(&arguments.log))?;
+    whole(&arguments.log, log.run().part)?;
     let named = || format!("log {} cannot be replayed", arguments.log.display());
     let whole = arguments.configs.iter().map(|(name, file)| config(name, file));
     let configs = Configs {

@@ -28,6 +28,7 @@ use crate::helm::Helm;
 use crate::keeper::Keeper;
 use crate::lock::{Locked, read_components};
 use crate::log::sources;
+use crate::log_parts::{Current, Parts, Split, split};
 use crate::log_room::{LogRoom, quota};
 use crate::operator::Signals;
 use crate::owner::explained;
@@ -60,6 +61,10 @@ pub(crate) struct Run {
     /// remove nothing]
     #[arg(long, value_name = "SIZE", value_parser = quota)]
     pub(crate) log_quota: Option<u64>,
+    /// Go on in another file after this time or size, such as 1h or 500MB, or whichever comes first of several; `log join`
+    /// makes one log of all [default: one file]
+    #[arg(long, value_name = "TIME|SIZE", value_parser = split)]
+    pub(crate) log_split: Vec<Split>,
     /// Keep SPI identifiers and the operator's hold in this folder [default: a folder of the vehicle's name in the
     /// user's state folder]
     #[arg(long, value_name = "DIR")]
@@ -137,9 +142,16 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     };
     #[cfg(not(feature = "console"))]
     let listener = None;
-    let mut recorder = open_log(&log, &mission, None, &loaded, &clock, listener)?;
+    let current = Current::new(&log);
+    let parts = Parts::new(
+        arguments.log_split.clone(),
+        current.clone(),
+        &mission.name,
+        clock.utc_at_start(),
+    );
+    let mut recorder = open_log(&log, &mission, None, &loaded, &clock, listener)?.in_parts(parts);
     let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
-    LogRoom::new(&log, &mission.name, arguments.log_quota).watch()?;
+    LogRoom::new(current, &mission.name, arguments.log_quota).watch()?;
     info!(
         "plugins: {cached} from the cache, {} compiled",
         loaded.origins.len() - cached

@@ -92,6 +92,10 @@ impl<R: Read> Chunks<R> {
         self.metadata.get(name)
     }
 
+    pub(crate) const fn all_metadata(&self) -> &BTreeMap<String, BTreeMap<String, String>> {
+        &self.metadata
+    }
+
     pub(crate) fn attachments(&self) -> &[Attachment] {
         &self.attachments
     }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use backseat_core::PluginSetup;
 use backseat_units::{Position, Utc};
+use mcap::records::Metadata;
 use sha2::{Digest, Sha256};
 
 /// Of a component larger than this, only the SHA-256 is recorded, bytes.
@@ -22,6 +23,9 @@ pub(crate) const PLAN: &str = "plan.toml";
 pub(crate) const AS_READ: &str = "as-read/";
 /// Name of the metadata record of the components' hashes.
 pub(crate) const COMPONENTS: &str = "components";
+
+/// Key of the number of a part, in the metadata record about the run. The first part has none.
+pub(crate) const PART: &str = "part";
 
 /// How much is decoded, and how often the log is written to the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,8 +142,8 @@ impl Header<'_> {
             .collect()
     }
 
-    /// The attachments: name, media type and content.
-    pub(crate) fn attachments(&self) -> impl Iterator<Item = (Cow<'static, str>, &'static str, &[u8])> {
+    /// The attachments that are texts: name, media type and content.
+    fn texts(&self) -> impl Iterator<Item = (Cow<'static, str>, &'static str, &str)> {
         let texts = [
             ("mission.toml", "application/toml", Some(self.resolved_mission)),
             ("fence.geojson", "application/geo+json", Some(self.fence)),
@@ -148,23 +152,77 @@ impl Header<'_> {
         ];
         let texts = texts
             .into_iter()
-            .filter_map(|(name, media_type, text)| Some((Cow::Borrowed(name), media_type, text?.as_bytes())));
+            .filter_map(|(name, media_type, text)| Some((Cow::Borrowed(name), media_type, text?)));
         let fence = self.sources.fence.map(|(name, text)| {
             let name = Cow::Owned(format!("{AS_READ}{name}"));
-            (name, "text/plain", text.as_bytes())
+            (name, "text/plain", text)
         });
-        let components = self
-            .components
-            .iter()
-            .filter(|(_, component)| component.len() <= COMPONENT_LIMIT)
-            .map(|(name, component)| {
-                (
-                    Cow::Owned(component_name(name)),
-                    "application/wasm",
-                    component.as_slice(),
-                )
-            });
-        texts.chain(fence).chain(components)
+        texts.chain(fence)
+    }
+}
+
+/// What each part of a log begins with.
+#[derive(Debug)]
+pub(crate) struct Preamble {
+    metadata: [Metadata; 3],
+    /// Name, media type and content.
+    texts: Vec<(String, &'static str, String)>,
+    /// UTC at the run's time zero, nanoseconds since 1970.
+    time_ns: u64,
+    part: u64,
+}
+
+impl Preamble {
+    pub(crate) fn of(header: &Header<'_>) -> Self {
+        let metadata = [
+            (RUN, header.run()),
+            (COMPONENTS, header.component_hashes()),
+            (DESCRIPTIONS, header.descriptions()),
+        ];
+        let texts = header.texts();
+        Self {
+            metadata: metadata.map(|(name, metadata)| Metadata {
+                name: name.to_owned(),
+                metadata,
+            }),
+            texts: texts
+                .map(|(name, media_type, text)| (name.into_owned(), media_type, text.to_owned()))
+                .collect(),
+            time_ns: header.utc_at_start.as_unix_nanos(),
+            part: 1,
+        }
+    }
+
+    pub(crate) fn next_part(&mut self) {
+        self.part += 1;
+        let [run, ..] = &mut self.metadata;
+        run.metadata.insert(PART.to_owned(), self.part.to_string());
+    }
+
+    pub(crate) const fn metadata(&self) -> &[Metadata] {
+        &self.metadata
+    }
+
+    /// The texts, and those of these components that are not too large.
+    pub(crate) fn attachments<'a>(
+        &'a self,
+        components: impl IntoIterator<Item = (&'a String, &'a [u8])>,
+    ) -> impl Iterator<Item = mcap::Attachment<'a>> {
+        let attachment = |name: String, media_type: &str, data: &'a [u8]| mcap::Attachment {
+            log_time: self.time_ns,
+            create_time: self.time_ns,
+            name,
+            media_type: media_type.to_owned(),
+            data: Cow::Borrowed(data),
+        };
+        let texts = self.texts.iter();
+        let texts = texts.map(move |(name, media_type, text)| attachment(name.clone(), media_type, text.as_bytes()));
+        let components = components
+            .into_iter()
+            .filter(|(_, component)| component.len() <= COMPONENT_LIMIT);
+        texts.chain(
+            components.map(move |(name, component)| attachment(component_name(name), "application/wasm", component)),
+        )
     }
 }
 

@@ -79,6 +79,10 @@
 //! A `gap` on `/core/input` has the time since when records are missing, and their number. What follows a gap cannot be
 //! replayed from the start.
 //!
+//! **Parts.** A deployed runtime can begin a new file after some time or size: each file is a whole log, whose metadata has
+//! its number as `part` (the first one has none). Sequence numbers and times go on. Later parts have the components by
+//! their hashes alone. [`join`] makes one log of all parts, which a replay needs.
+//!
 //! **After a killed process.** Each MCAP chunk is assembled in memory, written whole, and handed to the operating
 //! system: every second of the run's time when deployed, every 60 s or 256 KiB in simulation. A file without its end can
 //! be read up to its last whole chunk by [`read`], by `mcap recover`, and by the Python package's streaming reader
@@ -92,6 +96,7 @@ mod decimation;
 mod encode;
 mod error;
 mod header;
+mod join;
 mod log;
 mod measures;
 mod message;
@@ -110,6 +115,7 @@ pub use chunks::Message;
 pub use encode::{Encoded, Encoder, encode_input};
 pub use error::RecorderError;
 pub use header::{COMPONENT_LIMIT, Header, Rate, Sources};
+pub use join::{JoinError, Joined, join};
 pub use log::{Attachment, Entry, Log, Record, Run, parse, read};
 pub use message::{LoggedInput, described as describe_state};
 pub use reader::LogReader;

@@ -45,6 +45,8 @@ pub struct Run {
     pub mission_sha256: String,
     /// SHA-256 of the fence, hexadecimal.
     pub fence_sha256: String,
+    /// Which part of the run's log this file is; 1 also if the log has no other.
+    pub part: u64,
     /// SHA-256 of each component by its attachment's name, whether or not it is attached.
     pub components: BTreeMap<String, String>,
 }

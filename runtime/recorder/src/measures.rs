@@ -61,6 +61,11 @@ impl Measures {
         }
     }
 
+    /// Forgets the channels, because another file begins.
+    pub(crate) fn forget_channels(&mut self) {
+        self.ids.clear();
+    }
+
     /// The channel of a name, which `add` makes if there is none: it takes the topic and the text of the schema.
     pub(crate) fn channel<E>(
         &mut self,

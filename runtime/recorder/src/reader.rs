@@ -9,7 +9,7 @@ use backseat_units::{Position, Utc};
 use crate::channel::Channel;
 use crate::chunks::{Chunks, Message};
 use crate::error::RecorderError;
-use crate::header::{AS_READ, COMPONENTS, DESCRIPTIONS, FORMAT, PLAN, RUN, Rate, component_name};
+use crate::header::{AS_READ, COMPONENTS, DESCRIPTIONS, FORMAT, PART, PLAN, RUN, Rate, component_name};
 use crate::log::{Attachment, Record, Run, read_record};
 
 /// Reads a log message by message. Its memory is bounded by the attachments and the largest chunk.
@@ -68,6 +68,11 @@ impl<R: Read> LogReader<R> {
     #[must_use]
     pub const fn run(&self) -> &Run {
         &self.run
+    }
+
+    /// The metadata records by their names.
+    pub(crate) const fn metadata(&self) -> &BTreeMap<String, BTreeMap<String, String>> {
+        self.chunks.all_metadata()
     }
 
     /// The attachments, in the order of the file. They come before the messages.
@@ -166,6 +171,7 @@ fn read_run(
             expected: FORMAT,
         });
     }
+    let part = run.get(PART).map_or(Ok(1), |part| part.parse());
     let rate = Rate::from_name(&text("rate"));
     let seed = run.get("seed").map(|seed| seed.parse()).transpose();
     Ok(Run {
@@ -187,6 +193,7 @@ fn read_run(
         })?,
         mission_sha256: text("mission_sha256"),
         fence_sha256: text("fence_sha256"),
+        part: part.map_err(|_| foreign(log, format!("part {:?}", text(PART)), "a whole number"))?,
         components,
     })
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use backseat_core::plugin::{Measure, NavigationSample, PluginId};
 use backseat_core::{Input, LeaseReach, Note, Output, Start};
 use backseat_units::{LocalFrame, Position, Timestamp};
-use mcap::records::{MessageHeader, Metadata};
+use mcap::records::MessageHeader;
 use mcap::{McapError, WriteOptions};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -16,7 +16,7 @@ use crate::channel::Channel;
 use crate::decimation::Decimation;
 use crate::encode::{Place, write_input, write_output};
 use crate::error::RecorderError;
-use crate::header::{COMPONENT_LIMIT, COMPONENTS, DESCRIPTIONS, Header, RUN, Rate, version_name};
+use crate::header::{COMPONENT_LIMIT, Header, Preamble, Rate, version_name};
 use crate::measures::{Measures, SCHEMA};
 use crate::message::{InputRef, Line, NavigationRow, RemarkRef};
 use crate::plain;
@@ -57,6 +57,8 @@ pub struct Recorder<W: Write + Seek> {
     /// MCAP identifiers of derived channels; `None` until the first message.
     derived_ids: [Option<u16>; Topic::COUNT],
     measures: Measures,
+    /// What each part of the log begins with.
+    preamble: Preamble,
     /// The time of the newest message.
     newest: Timestamp,
     /// The topics by MCAP identifier.
@@ -98,7 +100,9 @@ impl<W: Write + Seek> Recorder<W> {
     ///
     /// [`RecorderError::Write`].
     pub fn named(writer: W, log: String, header: &Header<'_>) -> Result<Self, RecorderError> {
-        let (writer, ids) = open(writer, header).map_err(|source| write_error(&log, source))?;
+        let preamble = Preamble::of(header);
+        let components = header.components.iter().map(|(name, data)| (name, data.as_slice()));
+        let (writer, ids) = open(writer, &preamble, components).map_err(|source| write_error(&log, source))?;
         Ok(Self {
             writer,
             log,
@@ -116,6 +120,7 @@ impl<W: Write + Seek> Recorder<W> {
             derived: Batch::default(),
             derived_ids: [None; Topic::COUNT],
             measures: Measures::new(header),
+            preamble,
             newest: Timestamp::ZERO,
             topics: BTreeMap::new(),
             listener: None,
@@ -128,6 +133,27 @@ impl<W: Write + Seek> Recorder<W> {
         self.topics
             .extend(topics.map(|(channel, id)| (id, channel.topic().to_owned())));
         self.listener = Some(listener);
+    }
+
+    /// Ends the file in order, and goes on in another one, which is the log's next part. It begins with the same facts and
+    /// texts, but has the components by their hashes alone. [`crate::join`] makes one log of all parts.
+    ///
+    /// # Errors
+    ///
+    /// [`RecorderError::Write`], about either file. Whatever comes next is written to the new one.
+    pub fn turn(&mut self, writer: W, log: String) -> Result<(), RecorderError> {
+        self.preamble.next_part();
+        let (writer, ids) = open(writer, &self.preamble, []).map_err(|source| write_error(&log, source))?;
+        self.ids = ids;
+        self.derived_ids = [None; Topic::COUNT];
+        self.measures.forget_channels();
+        let mut ended = std::mem::replace(&mut self.writer, writer);
+        let ended_log = std::mem::replace(&mut self.log, log);
+        // A viewer of this part alone sees the fence.
+        self.view.started(&mut self.derived);
+        self.put_derived(self.newest)?;
+        ended.finish().map_err(|source| write_error(&ended_log, source))?;
+        Ok(())
     }
 
     /// Records that somebody at a console has asked for something, as a line of `/log`. It changes nothing by itself: what
@@ -460,33 +486,22 @@ impl<W: Write + Seek> Recorder<W> {
 type Opened<W> = (mcap::Writer<W>, [u16; Channel::ALL.len()]);
 
 /// Opens the file and writes everything that is known before the run.
-fn open<W: Write + Seek>(writer: W, header: &Header<'_>) -> Result<Opened<W>, McapError> {
+fn open<'a, W: Write + Seek>(
+    writer: W,
+    preamble: &'a Preamble,
+    components: impl IntoIterator<Item = (&'a String, &'a [u8])>,
+) -> Result<Opened<W>, McapError> {
     let mut writer = WriteOptions::new()
         .library(concat!("backseat ", env!("CARGO_PKG_VERSION")))
         .chunk_size(Some(CHUNK_SIZE))
         // Chunks are assembled in memory, so that a killed process leaves only whole ones.
         .disable_seeking(true)
         .create(writer)?;
-    let time = header.utc_at_start.as_unix_nanos();
-    let metadata = [
-        (RUN, header.run()),
-        (COMPONENTS, header.component_hashes()),
-        (DESCRIPTIONS, header.descriptions()),
-    ];
-    for (name, metadata) in metadata {
-        writer.write_metadata(&Metadata {
-            name: name.to_owned(),
-            metadata,
-        })?;
+    for metadata in preamble.metadata() {
+        writer.write_metadata(metadata)?;
     }
-    for (name, media_type, data) in header.attachments() {
-        writer.attach(&mcap::Attachment {
-            log_time: time,
-            create_time: time,
-            name: name.into_owned(),
-            media_type: media_type.to_owned(),
-            data: Cow::Borrowed(data),
-        })?;
+    for attachment in preamble.attachments(components) {
+        writer.attach(&attachment)?;
     }
     // Even a process that is killed in its first seconds has then recorded its task.
     writer.flush()?;

@@ -94,6 +94,12 @@ impl Summary {
             run.origin.latitude.as_deg(),
             run.origin.longitude.as_deg()
         );
+        if run.part > 1 {
+            say!(
+                "  part {} of a log; `backseat log join` makes one of all parts",
+                run.part
+            );
+        }
         for attachment in &log.attachments {
             say!("  attached: {}, {} bytes", attachment.name, attachment.data.len());
         }
@@ -119,6 +125,7 @@ impl Summary {
             "mission": run.mission,
             "seed": run.seed,
             "version": run.version,
+            "part": run.part,
             "origin": {
                 "latitude_deg": run.origin.latitude.as_deg(),
                 "longitude_deg": run.origin.longitude.as_deg(),

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::files::each;
-use super::read_log;
+use super::{read_log, whole};
 use crate::output::say;
 
 #[derive(Debug, Args)]
@@ -30,6 +30,7 @@ pub(super) fn judge(arguments: &LogJudge) -> Result<bool> {
 
 fn judge_one(path: &Path, arguments: &LogJudge) -> Result<bool> {
     let log = read_log(path)?;
+    whole(path, log.run.part)?;
     let verdict = judge_log(&log).with_context(|| format!("log {} cannot be judged", path.display()))?;
     if arguments.json {
         let mut report = serde_json::to_value(&verdict)?;

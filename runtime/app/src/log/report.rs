@@ -13,8 +13,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::files::each;
-use super::read_log;
 use super::show::{named, plugins};
+use super::{read_log, whole};
 use crate::output::say;
 
 #[derive(Debug, Args)]
@@ -56,6 +56,8 @@ struct Report {
     operator: Vec<Happened>,
     /// What went wrong, or was noted about safety: failures of plugins, recovery, navigation, links, late wake-ups.
     troubles: Vec<Happened>,
+    /// How many more there were than `troubles` lists.
+    troubles_left_out: u64,
 }
 
 /// How the requests of an owner ended.
@@ -119,6 +121,7 @@ pub(super) fn report(arguments: &LogReport) -> Result<bool> {
     }
     each(&arguments.files, |file| {
         let log = read_log(file)?;
+        whole(file, log.run.part)?;
         let report = Report::of(&file.display().to_string(), &log);
         if arguments.json {
             say!("{}", serde_json::to_string(&report)?);
@@ -195,7 +198,14 @@ impl Report {
         section(&mut lines, "leases that ended", self.leases.iter().map(Lease::line));
         section(&mut lines, "the operator", self.operator.iter().map(Happened::line));
         section(&mut lines, "troubles", self.troubles.iter().map(Happened::line));
+        lines.extend(self.left_out().map(|line| format!("  {line}")));
         lines
+    }
+
+    /// How many troubles are not listed, and where they are.
+    fn left_out(&self) -> Option<String> {
+        let more = self.troubles_left_out;
+        (more > 0).then(|| format!("and {more} more, which `backseat log show` lists"))
     }
 }
 
@@ -292,7 +302,7 @@ struct Collect<'a> {
     process: u64,
 }
 
-/// At most so many lines of each kind of trouble.
+/// At most so many troubles are listed. The rest is counted.
 const TROUBLES_MAX: usize = 200;
 
 impl Collect<'_> {
@@ -412,6 +422,8 @@ impl Collect<'_> {
                 let text = line();
                 if self.report.troubles.len() < TROUBLES_MAX {
                     self.report.troubles.push(Happened { at_s, text });
+                } else {
+                    self.report.troubles_left_out += 1;
                 }
             }
             _ => {}

@@ -1,6 +1,7 @@
 //! The log of a run.
 
 mod channels;
+mod join;
 mod log;
 mod sample;
 mod view;

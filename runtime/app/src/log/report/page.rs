@@ -40,6 +40,7 @@ pub(super) fn page(report: &Report) -> String {
                 (asked(report)) (refused(report)) (flown(report)) (leases(report))
                 (happened("What the operator did", &report.operator))
                 (happened("Troubles", &report.troubles))
+                @if let Some(left_out) = report.left_out() { p { (left_out) "." } }
             }
         }
     };

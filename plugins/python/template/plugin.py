@@ -17,6 +17,7 @@ from backseat_sdk import (
     Outcome,
     Plugin,
     Rejected,
+    Restored,
     Within,
     log,
 )
@@ -62,6 +63,9 @@ class HoldHeading(Plugin):
             # again.
             if isinstance(outcome.state, (Rejected, Failed)):
                 log.warn(f"request {outcome.tag}: {outcome.reason}")
+        for restored in input.of(Restored):
+            # The instance that failed made at most one request a step after its snapshot. Use none of their tags again.
+            self.state.tag += restored.lost_steps
         # Without control the runtime rejects every request, so make none.
         if not input.control:
             return []

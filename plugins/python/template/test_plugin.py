@@ -20,6 +20,9 @@ def test_a_new_instance_continues_with_new_tags():
     harness.restart()
     [modify] = harness.step()
     assert modify.tag == 2
+    harness.restart(lost_steps=3)
+    [modify] = harness.step()
+    assert modify.tag == 6
 
 
 def test_a_refusal_is_logged_and_the_plugin_goes_on():

@@ -65,6 +65,10 @@ impl Plugin for HoldHeading {
             {
                 log::warn!("request {}: {why}", outcome.tag);
             }
+            // The instance that failed made at most one request a step after its snapshot. Use none of their tags again.
+            if let Event::Restored(restored) = event {
+                self.tag += restored.lost_steps;
+            }
         }
         // Without control the runtime rejects every request, so make none.
         if !input.control {
@@ -80,8 +84,8 @@ impl Plugin for HoldHeading {
         })])
     }
 
-    // What a new instance needs after a failure: here the last tag, so that none is used twice. It may be a struct that
-    // derives serde's Serialize and Deserialize.
+    // What a new instance needs after a failure: here the last tag. It may be a struct that derives serde's Serialize and
+    // Deserialize.
     backseat_sdk::keep!(tag);
 }
 
@@ -127,6 +131,17 @@ mod tests {
         let mut second = plugin();
         second.restore(&first.snapshot()).unwrap();
         assert_eq!(second.tag, 1);
+        let restored = backseat_sdk::Restored {
+            lost_steps: 3,
+            open: vec![],
+        };
+        second
+            .step(&StepInput {
+                events: vec![Event::Restored(restored)],
+                ..StepInput::default()
+            })
+            .unwrap();
+        assert_eq!(second.tag, 4);
         assert!(second.restore(&[1, 2]).is_err());
     }
 

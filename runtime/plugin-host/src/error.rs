@@ -20,7 +20,9 @@ pub enum HostError {
         plugin: String,
     },
     /// The file is a core module: the output of a compiler, which has yet to be made a component.
-    #[error("{plugin}: a core module, expected a component: `backseat plugin build` makes one of a plugin's folder")]
+    #[error(
+        "{plugin}: a core module, expected a component: `backseat plugin build` or `wasm-tools component new` makes one"
+    )]
     CoreModule {
         /// The plugin.
         plugin: String,

@@ -43,7 +43,7 @@ fn a_file_that_is_no_component_is_refused_with_what_it_is() {
     );
     assert_eq!(
         refusal(&wat("(module)")),
-        "odd: a core module, expected a component: `backseat plugin build` makes one of a plugin's folder"
+        "odd: a core module, expected a component: `backseat plugin build` or `wasm-tools component new` makes one"
     );
     let huge = vec![0; backseat_plugin_host::COMPONENT_BYTES + 1];
     assert_eq!(refusal(&huge), "odd: 33554433 bytes, expected at most 33554432");

@@ -6,6 +6,7 @@
 )]
 
 mod admission;
+mod c;
 mod project;
 mod tutorial;
 

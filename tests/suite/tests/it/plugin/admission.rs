@@ -108,7 +108,7 @@ fn what_is_no_plugin_is_refused_in_a_line() {
         ("damaged.wasm", "damaged.wasm: not a valid component: "),
         (
             "core.wasm",
-            "a core module, expected a component: `backseat plugin build` makes one",
+            "a core module, expected a component: `backseat plugin build` or",
         ),
         ("empty.wasm", "the file is empty"),
         ("text.wasm", "not WebAssembly"),

@@ -111,6 +111,10 @@ impl Recording {
         let (Some(recorder), None) = (&mut self.recorder, &self.gap) else {
             return Ok(());
         };
+        // While the disk is behind, another file would wait too, with a thread of its own.
+        if self.disk.waiting.load(Ordering::Relaxed) > WAITING_LOW {
+            return Ok(());
+        }
         let Some(path) = self.parts.as_mut().and_then(|parts| parts.next(now, bytes)) else {
             return Ok(());
         };
@@ -121,11 +125,12 @@ impl Recording {
         };
         let file = path.clone();
         let (queue, ended) = queue(Arc::clone(&self.disk), move || File::create(file)).map_err(create)?;
-        self.disk.part.store(0, Ordering::Relaxed);
         info!("the log goes on in {name}");
         // The thread of the part before ends by itself.
         self.ended = ended;
-        recorder.turn(queue, name)
+        let turned = recorder.turn(queue, name);
+        self.disk.part.store(0, Ordering::Relaxed);
+        turned
     }
 
     /// Runs `act` to record something of the time `now`, where there is room for it. A gap gets this time too: it comes

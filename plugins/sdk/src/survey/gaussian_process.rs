@@ -47,7 +47,7 @@ pub struct Estimate {
 ///
 /// [`GaussianProcess::add`] merges measurements that lie close together, so that a long track has few points. The fuel of
 /// a fit grows with the cube of their number, that of an estimate with the square. So fit rarely, and estimate at few places
-/// a step.
+/// a step: with 220 points one place costs some 0.6 million units of fuel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GaussianProcess {
     kernel: Kernel,
@@ -58,7 +58,9 @@ pub struct GaussianProcess {
 }
 
 impl GaussianProcess {
-    /// Keeps the newest `points_max` points. A measurement closer than `merge_m` metres to the newest point joins it.
+    /// Keeps the newest `points_max` points. A measurement closer than `merge_m` metres to the newest point joins it: the mean of
+    /// both counts at the place of the first. Along a track the map is then about half of `merge_m` behind. Where that matters,
+    /// average some samples and their places before you add them.
     ///
     /// # Errors
     /// One line, if a value of the kernel is not above 0, or `points_max` is not 1 to 400.

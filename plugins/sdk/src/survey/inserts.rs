@@ -339,12 +339,24 @@ impl InsertQueue {
             Standing::Open { .. } | Standing::Flown | Standing::Dropped => None,
         };
         let first = self.tasks.iter().position(|task| waiting(task).is_some())?;
-        // In their order, unless the first has to wait while nothing is queued, because the vehicle would then leave.
+        // In their order, unless the first has to wait while nothing is queued, because the vehicle would then leave. Before the
+        // first leg is flown it cannot leave: what refuses that leg, such as a plan that is not known yet, refuses all.
+        let begun = |task: &Task| {
+            let flying = matches!(
+                task.standing,
+                Standing::Open {
+                    started_ns: Some(_),
+                    ..
+                }
+            );
+            flying || matches!(task.standing, Standing::Flown | Standing::Dropped)
+        };
+        let may_skip = open <= 1 && self.tasks.iter().any(begun);
         let index = self
             .tasks
             .iter()
             .position(|task| waiting(task).is_some_and(|not_before_ns| not_before_ns <= now_ns))
-            .filter(|index| *index == first || open <= 1)?;
+            .filter(|index| *index == first || may_skip)?;
         let tag = self.next_tag;
         self.next_tag += 1;
         self.tasks[index].standing = Standing::Open { tag, started_ns: None };

@@ -62,6 +62,8 @@ pub struct Basin<P: Plugin> {
     frame: LocalFrame,
     modify: Option<Steering>,
     inserts: VecDeque<Insert>,
+    /// What the plugin hears in its next step.
+    events: Vec<Event>,
 }
 
 struct Steering {
@@ -113,17 +115,19 @@ impl<P: Plugin> Basin<P> {
             frame,
             modify: None,
             inserts: VecDeque::new(),
+            events: Vec::new(),
         })
     }
 
-    /// Flies for some time, with a step of the plugin at each of its periods.
+    /// Flies for some time, with a step of the plugin at each of its periods. A later call goes on where this one ends; the times
+    /// of faults and senses count from the call.
     pub fn fly(&mut self, lasts: Duration) -> Flown {
         let (frame, fence_m) = (self.frame, self.fence_m);
         self.harness.set_fence(move |request| refused(&frame, fence_m, request));
         let period_s = P::describe().step_period_ns as f64 * 1e-9;
         let steps = (lasts.as_secs_f64() / period_s).ceil() as u64;
         let mut flown = Flown::default();
-        let mut events = Vec::new();
+        let mut events = std::mem::take(&mut self.events);
         let mut snapshots = VecDeque::new();
         let mut faults = self.faults.clone();
         for step in 0..steps {
@@ -167,6 +171,7 @@ impl<P: Plugin> Basin<P> {
                 events.extend(self.move_on(now_s, 0.1 * period_s, &mut flown));
             }
         }
+        self.events = events;
         flown
     }
 

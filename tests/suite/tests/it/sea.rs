@@ -40,7 +40,7 @@ fn the_program_for_sea_has_no_commands_of_the_simulation() {
     );
     assert_eq!(
         commands(&help(&["log", "--help"])),
-        ["info", "show", "report", "view", "help"]
+        ["info", "show", "report", "join", "view", "help"]
     );
     let sim = Backseat::new().for_sea().args(["sim", "x"]).run().exit(2);
     assert!(sim.stderr.contains("unrecognized subcommand 'sim'"), "{sim}");

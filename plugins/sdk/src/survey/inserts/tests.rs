@@ -122,6 +122,26 @@ fn a_reached_cap_uses_up_no_attempts_of_a_leg() {
 }
 
 #[test]
+fn legs_are_flown_in_their_order_although_the_first_is_refused_at_first() {
+    let mut queue = queue(4);
+    let refused = State::Rejected(Refusal::new(Rule::Plan, "plan unknown"));
+    for round in 0..12 {
+        if let Some((index, tag)) = queue.ask(round * 1_000_000_000) {
+            assert_eq!(index, 0, "round {round}");
+            hear(&mut queue, tag, &refused, round);
+        }
+    }
+    let (index, tag) = queue.ask(60_000_000_000).unwrap();
+    assert_eq!(index, 0);
+    hear(&mut queue, tag, &State::Started, 60);
+    // Now the vehicle must have something to fly next, whatever is refused.
+    let (index, tag) = queue.ask(61_000_000_000).unwrap();
+    assert_eq!(index, 1);
+    hear(&mut queue, tag, &refused, 61);
+    assert_eq!(queue.ask(62_000_000_000).unwrap().0, 2);
+}
+
+#[test]
 fn what_does_not_fit_is_made_smaller_until_it_is_too_small() {
     let mut queue = queue(1);
     queue.push(Leg::Circle(Circle {

@@ -101,6 +101,25 @@ fn a_front_is_followed_while_it_moves() {
     }
 }
 
+/// Against a lawnmower of the same way, which makes its map by the same process.
+#[test]
+fn a_search_knows_warm_water_better_than_a_lawnmower() {
+    for seed in SEEDS {
+        let deviation = Flight::of("informative", seed).published("informative.warm_deviation");
+        let plain = Backseat::new()
+            .args(["sim", "--json", "--seed", seed])
+            .args(["--set", "plugin.informative.config.adaptive=false"])
+            .mission(&Mission::copy("informative"))
+            .run();
+        let plain = plain.json();
+        let even = plain["published"]["informative.warm_deviation"]["value"].as_f64();
+        assert!(
+            even.is_some_and(|even| even > 1.2 * deviation),
+            "{even:?} C against {deviation} C"
+        );
+    }
+}
+
 /// SPI 7.7.
 #[test]
 fn a_vehicle_whose_position_drifts_surfaces_for_fixes() {

@@ -6,9 +6,10 @@ import random
 import pytest
 from backseat_sdk import (
     Accepted,
+    Cancel,
     Depth,
-    Ended,
     EndKind,
+    Ended,
     Position,
     Refusal,
     Rejected,
@@ -154,6 +155,20 @@ def test_a_queue_forgets_no_insert_in_a_restart():
     asked = queue.step(StepInput(control=True, events=ends))
     assert [each.tag for each in asked] == [1_000_009, 1_000_010]
     assert queue.count(Progress.FLOWN) == 2
+
+
+def test_a_queue_cancels_what_it_knows_nothing_of_after_a_restart():
+    queue = InsertQueue()
+    queue.add(trackline())
+    [first] = queue.step(StepInput(control=True))
+    queue.step(StepInput(control=True, events=(outcome(first, Started()),)))
+    # In the lost steps the plugin added a second one, the queue asked for it, and the first was flown to its end.
+    restored = Restored(lost_steps=3, open=(1_000_001,))
+    assert queue.step(StepInput(control=True, events=(restored,))) == [Cancel(1_000_001)]
+    assert queue.inserts[0].progress is Progress.FLOWN
+    queue.add(trackline())
+    [second] = queue.step(StepInput(control=True))
+    assert second.tag > 1_000_001
 
 
 def test_a_plane_is_found_in_noise():

@@ -7,7 +7,7 @@ from enum import Enum
 
 from ..events import Restored, StepInput
 from ..outcomes import Accepted, Cancelled, EndKind, Ended, Failed, Outcome, Rejected, Rule, Started, TimedOut, Unknown
-from ..requests import Trackcircle, Trackline
+from ..requests import Cancel, Trackcircle, Trackline
 from ..values import SECOND_NS
 
 
@@ -71,16 +71,17 @@ class InsertQueue:
         """Adds an insert to the end. Its tag does not matter."""
         self.inserts.append(Insert(request))
 
-    def step(self, input: StepInput) -> list[Trackline | Trackcircle]:
-        """Takes in the outcomes, and returns what to ask for now: nothing without control."""
+    def step(self, input: StepInput) -> list[Trackline | Trackcircle | Cancel]:
+        """Takes in the outcomes, and returns what to ask for now: nothing without control. After a restart it first cancels what
+        this instance knows nothing of."""
+        asked: list[Trackline | Trackcircle | Cancel] = []
         for restored in input.of(Restored):
-            self._restored(restored)
+            asked.extend(Cancel(tag) for tag in self._restored(restored))
         for outcome in input.of(Outcome):
             for insert in self.inserts:
                 if insert.request.tag == outcome.tag and insert.progress is not Progress.WAITING:
                     self._took(insert, outcome, input)
         open_now = sum(insert.progress in _OPEN for insert in self.inserts)
-        asked: list[Trackline | Trackcircle] = []
         if not input.control:
             return asked
         for insert in self.inserts:
@@ -107,13 +108,17 @@ class InsertQueue:
         """Whether every insert was flown or given up."""
         return all(insert.progress in (Progress.FLOWN, Progress.GIVEN_UP) for insert in self.inserts)
 
-    def _restored(self, restored: Restored) -> None:
-        """After a restart, what happened in the lost steps is known only by the tags that are still open: an insert
-        whose tag is not open waits again, and the open tags that the queue does not know are those of the next inserts.
-        So an insert may be flown twice, but none is forgotten."""
+    def _restored(self, restored: Restored) -> list[int]:
+        """After a restart, what happened in the lost steps is known only by the tags that are still open. An insert whose tag is
+        not open counts as flown if it had begun, and waits again otherwise. Open tags that the queue does not know are those of
+        the next inserts. Returns those for which there is no insert: the plugin added it after the snapshot."""
         for insert in self.inserts:
             if insert.progress in _OPEN and insert.request.tag not in restored.open:
-                insert.progress, insert.why = Progress.WAITING, "its end was lost in a restart"
+                begun = insert.progress is Progress.FLYING
+                insert.progress, insert.why = (
+                    Progress.FLOWN if begun else Progress.WAITING,
+                    "its end was lost in a restart",
+                )
         known = {insert.request.tag for insert in self.inserts if insert.progress in _OPEN}
         waiting = [insert for insert in self.inserts if insert.progress is Progress.WAITING]
         unknown = sorted(tag for tag in restored.open if tag >= self.next_tag and tag not in known)
@@ -122,6 +127,7 @@ class InsertQueue:
             insert.attempts += 1
         # A tag of the lost steps is not used again.
         self.next_tag = max([self.next_tag, *(tag + 1 for tag in unknown)]) + self.ahead * restored.lost_steps
+        return unknown[len(waiting) :]
 
     def _took(self, insert: Insert, outcome: Outcome, input: StepInput) -> None:
         match outcome.state:

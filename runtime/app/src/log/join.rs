@@ -32,7 +32,7 @@ pub(super) fn join(arguments: &LogJoin) -> Result<bool> {
         ));
     }
     say!(
-        "{}: {} messages of {} parts",
+        "{}: {} messages, from parts: {}",
         arguments.output.display(),
         joined.messages,
         joined.parts

@@ -455,15 +455,20 @@ impl InsertQueue {
     /// Open tags without a task here were requested after the snapshot, in the order of the tasks.
     pub fn restored(&mut self, restored: &Restored, now_ns: u64) {
         for task in &mut self.tasks {
-            if let Standing::Open { tag, started_ns } = task.standing
-                && !restored.open.contains(&tag)
-            {
-                // Its end was missed. What had begun counts as flown; anything else is requested again.
-                if started_ns.is_some() {
-                    task.standing = Standing::Flown;
-                } else {
-                    task.wait(&self.settings, now_ns);
+            let Standing::Open { tag, started_ns } = task.standing else {
+                continue;
+            };
+            if restored.open.contains(&tag) {
+                // Its beginning may have been missed: then its end comes within its time.
+                if started_ns.is_none() && restored.lost_steps > 0 {
+                    let started_ns = Some(now_ns);
+                    task.standing = Standing::Open { tag, started_ns };
                 }
+            } else if started_ns.is_some() {
+                // Its end was missed. What had begun counts as flown; anything else is requested again.
+                task.standing = Standing::Flown;
+            } else {
+                task.wait(&self.settings, now_ns);
             }
         }
         let ours = |tag: &u64| *tag < Self::OTHER_TAGS && self.task_of(*tag).is_none();

@@ -215,6 +215,23 @@ fn a_new_instance_continues_with_what_is_open() {
 }
 
 #[test]
+fn a_line_whose_beginning_was_missed_in_a_restart_counts_as_flown_when_it_ends() {
+    let mut queue = queue(2);
+    queue.ask(0);
+    let restored = Restored {
+        lost_steps: 2,
+        open: vec![1],
+    };
+    // It began in the lost steps.
+    queue.restored(&restored, SECOND_NS);
+    let Leg::Line(on) = line(0) else { panic!("a line") };
+    let along = (on.end - on.start) * (1.5 / on.length_m());
+    queue.fly(on.at(0.9 * on.length_m()), along);
+    assert!(queue.tasks[0].progress > 0.8, "{:?}", queue.tasks[0]);
+    assert_eq!(hear(&mut queue, 1, &done(), 400), Turn::Flown);
+}
+
+#[test]
 fn progress_counts_on_the_line_and_in_its_direction() {
     let mut queue = queue(1);
     queue.ask(0);

@@ -53,6 +53,17 @@ class Flight:
         return run(["log", "show", str(self.log)]).stdout
 
 
+def commands(page, done=()):
+    """The lines of a page's shell blocks, but for those that begin like something that is done already."""
+    inside, found = False, []
+    for line in (ROOT / page).read_text(encoding="utf-8").splitlines():
+        if line.startswith("```"):
+            inside = line == "```sh"
+        elif inside and not (done and line.startswith(done)):
+            found.append(line)
+    return found
+
+
 def run(arguments):
     program = os.environ.get("BACKSEAT_TEST_PROGRAM")
     assert program, "set BACKSEAT_TEST_PROGRAM to the program backseat, or run `cargo xtask python`"

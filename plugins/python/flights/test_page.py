@@ -6,21 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-from conftest import ROOT
+from conftest import ROOT, commands
 
-PAGE = ROOT / "runtime/docs/write-a-plugin-in-python.md"
+PAGE = "runtime/docs/write-a-plugin-in-python.md"
 #: What `cargo xtask python` has done already: the environment and the program.
 DONE = ("cargo xtask demo", "python3 -m venv", ". target/python/", "pip install")
-
-
-def commands():
-    inside, found = False, []
-    for line in PAGE.read_text(encoding="utf-8").splitlines():
-        if line.startswith("```"):
-            inside = line == "```sh"
-        elif inside and not line.startswith(DONE):
-            found.append(line)
-    return found
 
 
 def test_the_page_s_commands_run_and_show_what_it_says(tmp_path):
@@ -32,7 +22,7 @@ def test_the_page_s_commands_run_and_show_what_it_says(tmp_path):
     (tmp_path / "target/release/backseat").symlink_to(program)
     # Each command with its time, so that the page's own figures can be looked at.
     script = ["set -eu"]
-    for line in commands():
+    for line in commands(PAGE, DONE):
         script += [
             f"began=$(date +%s%N); {line}",
             f'echo "[$((($(date +%s%N) - began) / 1000000)) ms] {line.split(" ")[0]}"',

@@ -3,21 +3,10 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
-from conftest import ROOT
+from conftest import commands
 
-PAGE = ROOT / "runtime/docs/adaptive-lawnmower-in-python.md"
-
-
-def commands():
-    inside, found = False, []
-    for line in PAGE.read_text(encoding="utf-8").splitlines():
-        if line.startswith("```"):
-            inside = line == "```sh"
-        elif inside:
-            found.append(line)
-    return "\n".join(found)
+PAGE = "runtime/docs/adaptive-lawnmower-in-python.md"
 
 
 def numbers(said, name):
@@ -29,7 +18,7 @@ def test_the_adaptive_lawnmower_flies_as_its_tutorial_says(tmp_path):
     program.parent.mkdir()
     program.symlink_to(os.environ["BACKSEAT_TEST_PROGRAM"])
     done = subprocess.run(
-        ["bash", "-eu", "-o", "pipefail", "-c", commands()],
+        ["bash", "-eu", "-o", "pipefail", "-c", "\n".join(commands(PAGE))],
         cwd=tmp_path,
         env={
             **os.environ,

@@ -242,22 +242,35 @@ impl Ledger {
         self.flyable().fold(0.0, |all, entry| all + entry.duration_s)
     }
 
+    /// The insert that the vehicle knows by an identifier, and may still fly.
+    pub(crate) fn sent(&self, identifier: BehaviorId) -> Option<&Entry> {
+        self.flyable().find(|entry| entry.identifier == Some(identifier))
+    }
+
     /// Whether another insert waits that interrupts. If so, the vehicle may resume after it what ends now.
     pub(crate) fn awaits_interrupter(&self, ended: u64) -> bool {
-        self.iter().any(|(request, entry)| {
-            request != ended
-                && entry.insert.is_some_and(|insert| insert.interrupt)
-                && entry.state != RequestState::Started
+        let others = self.open.iter().chain(&self.doubtful);
+        others.filter(|(request, _)| **request != ended).any(|(_, entry)| {
+            entry.insert.is_some_and(|insert| insert.interrupt) && entry.state != RequestState::Started
         })
     }
 
     /// An insert that interrupts has begun: marks every other insert that was flown as interrupted.
-    pub(crate) fn interrupt_all_but(&mut self, begun: Option<BehaviorId>) {
+    pub(crate) fn interrupt_all_but(&mut self, begun: BehaviorId) {
         for entry in self.open.values_mut() {
             let was_flown = entry.is_open_insert() && entry.state == RequestState::Started;
-            if was_flown && entry.identifier != begun {
+            if was_flown && entry.identifier != Some(begun) {
                 entry.interrupted = true;
             }
+        }
+    }
+
+    /// An insert has begun that interrupts nothing. If another one that does is open, and nobody heard it begin, the
+    /// vehicle may have flown it before: marks what was flown as interrupted.
+    pub(crate) fn interrupt_where_an_interrupter_waits(&mut self, begun: BehaviorId) {
+        let waits = |request: &u64| self.awaits_interrupter(*request);
+        if self.open.keys().any(waits) {
+            self.interrupt_all_but(begun);
         }
     }
 

@@ -131,15 +131,18 @@ impl Core {
     }
 
     /// Ends the inserts that had begun before this behavior. The vehicle flies one behavior at a time, so they are over
-    /// when another one begins, even if their BFMBE was lost with a connection. But if the new behavior interrupts, the
-    /// vehicle may take them up again.
+    /// when another one begins, even if their BFMBE was lost with a connection. But an insert that was or may have been
+    /// interrupted is not over until the plan goes on: the vehicle may first fly all inserts that wait, and then return
+    /// to the interrupted one (SPI 7.5).
     fn end_overtaken(&mut self, begun: Option<BehaviorId>) {
-        let interrupts = begun
-            .and_then(|begun| self.cx.ledger.get(self.cx.ledger.by_identifier(begun)?)?.insert)
-            .is_some_and(|insert| insert.interrupt);
-        if interrupts {
-            self.cx.ledger.interrupt_all_but(begun);
-            return;
+        if let Some(begun) = begun {
+            let ledger = &mut self.cx.ledger;
+            // An insert that this process does not know may interrupt too.
+            if ledger.sent(begun).is_none_or(|entry| entry.insert.is_none_or(|insert| insert.interrupt)) {
+                ledger.interrupt_all_but(begun);
+                return;
+            }
+            ledger.interrupt_where_an_interrupter_waits(begun);
         }
         let overtaken: Vec<(u64, EndCause)> = self
             .cx
@@ -147,13 +150,10 @@ impl Core {
             .iter()
             .filter(|(_, entry)| entry.is_open_insert() && entry.state == RequestState::Started)
             .filter(|(_, entry)| entry.identifier != begun)
-            .map(|(request, entry)| {
-                let why = if entry.interrupted {
-                    EndCause::Interrupted
-                } else {
-                    EndCause::Overtaken
-                };
-                (request, why)
+            .filter_map(|(request, entry)| match (entry.interrupted, begun) {
+                (true, Some(_)) => None,
+                (true, None) => Some((request, EndCause::Interrupted)),
+                (false, _) => Some((request, EndCause::Overtaken)),
             })
             .collect();
         for (request, why) in overtaken {

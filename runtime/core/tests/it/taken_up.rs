@@ -8,7 +8,7 @@ use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
 use crate::course::{self, circle, good_line, interrupting, limits, line, modify, plugin, turn};
-use crate::scene::{EAST, accepted, at_once, begins, ends, led_to, refused_for};
+use crate::scene::{EAST, accepted, at_once, begins, ends, led_to, outage, refused_for};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::{Reply, name_of};
 
@@ -70,6 +70,76 @@ fn sr_019_an_insert_that_is_interrupted_without_a_bfmbe_stays_open() {
         "{:?}",
         trial.states(1)
     );
+}
+
+/// An insert east of the wreck begins, and one waits in the far east. Then another begins that interrupts the first, if
+/// `interrupted`, or after the first has ended. After that the vehicle flies the waiting one.
+fn flies_what_waited(interrupted: bool) -> Trial {
+    let mut trial = Trial::under_way();
+    accepted(
+        &mut trial,
+        Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))),
+        1,
+    );
+    ends(&mut trial, Some(1), None);
+    begins(&mut trial, None, Some(1));
+    accepted(&mut trial, Request::Trackline(line(2, (1000.0, -400.0), (300.0, -400.0))), 2);
+    if interrupted {
+        accepted(&mut trial, at_once(line(3, (1000.0, -300.0), (1100.0, -300.0))), 3);
+    }
+    ends(&mut trial, None, Some(1));
+    if interrupted {
+        begins(&mut trial, None, Some(3));
+        ends(&mut trial, None, Some(3));
+    }
+    begins(&mut trial, None, Some(2));
+    trial
+}
+
+#[test]
+fn sr_002_the_way_back_to_an_interrupted_insert_is_checked_until_the_plan_goes_on() {
+    let west = |tag| Request::Trackline(line(tag, (-600.0, -600.0), (-700.0, -1000.0)));
+    accepted(&mut flies_what_waited(false), west(4), 4);
+    let mut trial = flies_what_waited(true);
+    // After the inserts of the set the vehicle may return to what the first has interrupted (SPI 7.5).
+    refused_for(&mut trial, west(4), 4, "wreck");
+    assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"));
+    ends(&mut trial, None, Some(2));
+    begins(&mut trial, Some(2), None);
+    assert!(
+        format!("{:?}", trial.states(1)).contains("Interrupted"),
+        "{:?}",
+        trial.states(1)
+    );
+}
+
+#[test]
+fn sr_019_an_insert_stays_open_if_one_that_interrupts_may_have_begun_unheard() {
+    for interrupting in [false, true] {
+        let mut trial = Trial::under_way();
+        accepted(&mut trial, good_line(1), 1);
+        begins(&mut trial, None, Some(1));
+        accepted(&mut trial, good_line(2), 2);
+        if interrupting {
+            accepted(&mut trial, course::interrupting(3), 3);
+        }
+        outage(&mut trial);
+        begins(&mut trial, None, Some(2));
+        let states = trial.states(1);
+        let last = shorts(&states).last().map(|last| (*last).to_owned());
+        assert_eq!(last.as_deref(), Some(if interrupting { "started" } else { "ended" }), "{states:?}");
+    }
+}
+
+#[test]
+fn sr_019_an_insert_stays_open_if_another_payload_may_have_interrupted_it() {
+    let mut trial = Trial::under_way();
+    accepted(&mut trial, good_line(1), 1);
+    begins(&mut trial, None, Some(1));
+    begins(&mut trial, None, Some(40));
+    assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"), "{:?}", trial.states(1));
+    begins(&mut trial, Some(2), None);
+    assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"), "{:?}", trial.states(1));
 }
 
 #[test]

@@ -120,15 +120,17 @@ impl fmt::Display for EdgePlace {
     }
 }
 
-/// A length in a text, to the decimetre; smaller lengths with an exponent.
+/// A length in a text, to the decimetre; smaller lengths to the millimetre.
 struct Metres(f64);
 
 impl fmt::Display for Metres {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0 >= 0.1 {
             write!(f, "{:.1} m", self.0)
+        } else if self.0 >= 0.001 {
+            write!(f, "{:.3} m", self.0)
         } else {
-            write!(f, "{:.1e} m", self.0)
+            f.write_str("less than 1 mm")
         }
     }
 }

@@ -82,6 +82,8 @@ pub(crate) struct Driver {
     connecting: Option<Pin<Box<dyn Future<Output = std::io::Result<TcpStream>>>>>,
     /// When core last handled an input, and so when it judged the output of that.
     judged: Timestamp,
+    /// The room for core's outputs.
+    outputs: Vec<Output>,
     crew: Crew,
     ports: Ports,
     keeper: Keeper,
@@ -134,6 +136,7 @@ impl Driver {
             connect_at: None,
             connecting: None,
             judged: Timestamp::ZERO,
+            outputs: Vec::new(),
             crew,
             ports,
             keeper,
@@ -397,9 +400,12 @@ impl Driver {
     }
 
     fn carry_out_all(&mut self) {
+        let mut outputs = std::mem::take(&mut self.outputs);
         loop {
             let now = self.clock.now();
-            while let Some(output) = self.core.poll_output() {
+            outputs.extend(std::iter::from_fn(|| self.core.poll_output()));
+            self.send_all(now, &outputs);
+            for output in outputs.drain(..) {
                 self.record(now, |recorder| recorder.output(now, &output));
                 if let Some(onlooker) = &mut self.onlooker {
                     onlooker.output(&output);
@@ -407,26 +413,35 @@ impl Driver {
                 self.carry_out(now, output);
             }
             if !std::mem::take(&mut self.reset) {
-                return;
+                break;
             }
             self.reset_link();
             self.record(now, |recorder| recorder.input(now, &Input::LinkDown));
             self.handle(now, Input::LinkDown);
         }
+        self.outputs = outputs;
+    }
+
+    /// Sends what is for the vehicle before anything is recorded or printed, and before a plugin is woken. What comes
+    /// after a reset of the link belongs to no connection.
+    fn send_all(&mut self, now: Timestamp, outputs: &[Output]) {
+        let before_reset = outputs.iter().take_while(|output| !matches!(output, Output::ResetLink));
+        for output in before_reset {
+            let Output::Send(bytes) = output else { continue };
+            if let Err(error) = self.link.send(self.judged, self.clock.now(), bytes) {
+                self.link_lost = Some(format!("the connection failed: {error}"));
+                self.reset = self.link.is_open();
+            }
+            self.rate.sent(now, bytes);
+            if let Some(line) = self.helm.sent(now, bytes) {
+                warn!("{line}");
+            }
+        }
     }
 
     fn carry_out(&mut self, now: Timestamp, output: Output) {
         match output {
-            Output::Send(bytes) => {
-                self.rate.sent(now, &bytes);
-                if let Some(line) = self.helm.sent(now, &bytes) {
-                    warn!("{line}");
-                }
-                if let Err(error) = self.link.send(self.judged, self.clock.now(), &bytes) {
-                    self.link_lost = Some(format!("the connection failed: {error}"));
-                    self.reset = self.link.is_open();
-                }
-            }
+            Output::Send(_) => {}
             Output::Connect { after } => self.connect_at = Some(now + after),
             Output::ResetLink => self.reset = true,
             Output::Invoke(plugin, input) => {

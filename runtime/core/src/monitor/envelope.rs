@@ -615,7 +615,10 @@ pub(crate) fn bottom_lock(navigation: &NavigationSample) -> Option<BottomLock> {
 fn vertical(request: VerticalRequest) -> Result<Vertical, Refusal> {
     match request {
         VerticalRequest::DepthM(m) if m < 0.0 => Err(Figure::Depth.under(m, 0.0)),
-        VerticalRequest::DepthM(m) => Ok(Vertical::Depth(Depth::from_m(m).map_err(Figure::Depth.out_of_range())?)),
+        VerticalRequest::DepthM(m) => {
+            let depth = Depth::from_m(m).map_err(|error| Figure::Depth.not_within(m, 0.0, error.max))?;
+            Ok(Vertical::Depth(depth))
+        }
         VerticalRequest::AltitudeM(m) => Ok(Vertical::Altitude(
             Altitude::from_m(m).map_err(Figure::Altitude.out_of_range())?,
         )),

@@ -263,13 +263,18 @@ impl fmt::Display for FigureBreach {
             least,
             most,
         } = self;
-        write!(f, "{} is ", figure.spoken())?;
+        let (spoken, above_0) = match figure.spoken().strip_suffix(ABOVE_0) {
+            Some(spoken) => (spoken, true),
+            None => (figure.spoken(), false),
+        };
+        write!(f, "{spoken} is ")?;
         match (value, not_finite) {
             (Some(value), _) => Decimal(*value).fmt(f)?,
             (None, Some(what)) => f.write_str(what.text())?,
             (None, None) => f.write_str("not a finite number")?,
         }
         match (least, most) {
+            (Some(0.0) | None, Some(most)) if above_0 => write!(f, "; expected more than 0, at most {}", Decimal(*most))?,
             (Some(least), Some(most)) => write!(f, "; expected {} to {}", Decimal(*least), Decimal(*most))?,
             (Some(least), None) => write!(f, "; expected at least {}", Decimal(*least))?,
             (None, Some(most)) => write!(f, "; expected at most {}", Decimal(*most))?,
@@ -285,11 +290,17 @@ impl fmt::Display for FigureBreach {
     }
 }
 
-/// A figure in a text: three decimals at most.
+/// With this a figure's spoken name says that 0 itself is not allowed.
+const ABOVE_0: &str = " (more than 0)";
+
+/// A figure in a text: three decimals at most, and an exponent for what no figure ever is.
 struct Decimal(f64);
 
 impl fmt::Display for Decimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.abs() >= 1e9 {
+            return write!(f, "{:e}", self.0);
+        }
         let text = format!("{:.3}", self.0);
         f.write_str(text.trim_end_matches('0').trim_end_matches('.'))
     }
@@ -313,6 +324,14 @@ mod tests {
         assert_eq!(
             told(Figure::Depth.under(f64::NAN, 0.0)),
             "limit: depth is NaN; expected at least 0 m"
+        );
+        assert_eq!(
+            told(Figure::Depth.not_within(1e300, 0.0, 12_000.0)),
+            "limit: depth is 1e300; expected 0 to 12000 m"
+        );
+        assert_eq!(
+            told(Figure::ModifyTerm.not_within(3.0, 0.0, 2.0)),
+            "limit: duration of a modify is 3; expected more than 0, at most 2 s (limits.modify_term_max_s)"
         );
     }
 

@@ -66,21 +66,21 @@ fn figures_beyond_the_bounds_are_rejected_and_never_clamped() {
                 error_m: 0.0,
                 ..good.clone()
             },
-            "error of the fix (more than 0) is 0",
+            "error of the fix is 0",
         ),
         (
             PositionFix {
                 error_m: -1.0,
                 ..good.clone()
             },
-            "error of the fix (more than 0) is -1",
+            "error of the fix is -1",
         ),
         (
             PositionFix {
                 error_m: 101.0,
                 ..good.clone()
             },
-            "error of the fix (more than 0) is 101",
+            "error of the fix is 101",
         ),
         (
             PositionFix {

@@ -208,14 +208,14 @@ fn sr_005_station_keeping_needs_a_grant_an_armed_runtime_a_table_and_figures_wit
                 duration: Duration::ZERO,
                 ..station(1)
             },
-            "is 0; expected 0 to 60 s",
+            "is 0; expected more than 0, at most 60 s",
         ),
         (
             StationRequest {
                 duration: Duration::from_secs(61),
                 ..station(2)
             },
-            "is 61; expected 0 to 60 s",
+            "is 61; expected more than 0, at most 60 s",
         ),
         (
             StationRequest {

@@ -3,13 +3,13 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread;
 use std::time::Duration;
 
 use anyhow::Result;
 use backseat_core::{Operator, Reservation};
 use tokio::sync::mpsc::UnboundedSender;
 
+use crate::aside;
 use crate::state::{HoldWatch, State};
 
 /// How often the thread checks whether the operator has created or deleted the hold's file.
@@ -85,7 +85,7 @@ impl Keeper {
     ) -> Result<Self> {
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
-        thread::Builder::new().name("state".to_owned()).spawn(move || {
+        aside::spawn("state", move || {
             // The closure owns the state, so the folder's lock is released before anyone learns that the thread has
             // ended.
             let served = catch_unwind(AssertUnwindSafe(|| serve(&theirs, &kept)));

@@ -2,12 +2,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::thread;
 use std::time::Duration;
 
 use anyhow::Result;
 use tracing::warn;
 
+use crate::aside;
 use crate::clock::pause;
 use crate::log_parts::Current;
 
@@ -43,7 +43,7 @@ impl LogRoom {
     /// # Errors
     /// If it cannot start.
     pub(crate) fn watch(self) -> Result<()> {
-        thread::Builder::new().name("log-room".to_owned()).spawn(move || {
+        aside::spawn("log-room", move || {
             let mut told = false;
             loop {
                 self.keep_quota();

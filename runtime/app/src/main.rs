@@ -5,6 +5,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
+mod aside;
 mod cache;
 #[cfg(feature = "simulation")]
 mod campaign;

@@ -1,8 +1,8 @@
 //! Plugins when deployed: each runs on a thread of its own, so that none delays core or another plugin.
 
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc;
-use std::thread;
 use std::time::Duration;
 
 use backseat_core::Restarted;
@@ -10,6 +10,7 @@ use backseat_core::plugin::{FaultKind, PluginFault, PluginId, Returned, StepInpu
 use backseat_plugin_host::{Host, PANICKED, Plugin, Seat};
 use tokio::sync::mpsc::UnboundedSender;
 
+use crate::aside;
 use crate::clock::{Clock, Working};
 
 /// Besides its fuel, a step may take this long by the wall clock before it is interrupted.
@@ -71,39 +72,52 @@ pub(crate) struct Crew {
 }
 
 impl Crew {
-    pub(crate) fn new(host: Host, plugins: Vec<Plugin>, clock: Clock, answers: UnboundedSender<Answer>) -> Self {
+    /// Starts a thread for each plugin, and one that counts the time of their steps.
+    ///
+    /// # Errors
+    /// If one cannot start.
+    pub(crate) fn new(
+        host: Host,
+        plugins: Vec<Plugin>,
+        clock: Clock,
+        answers: UnboundedSender<Answer>,
+    ) -> io::Result<Self> {
         let bounded = plugins.into_iter().map(|mut plugin| {
             plugin.set_deadline_ticks(Some(DEADLINE_TICKS));
             Box::new(Seat::new(plugin)) as Box<dyn Steps>
         });
-        let crew = Self::of(bounded.collect(), clock, answers);
-        thread::spawn(move || {
+        let crew = Self::of(bounded.collect(), clock, answers)?;
+        aside::spawn("epoch", move || {
             loop {
                 crate::clock::pause(TICK);
                 host.increment_epoch();
             }
-        });
-        crew
+        })?;
+        Ok(crew)
     }
 
     /// Starts a thread for each plugin.
-    pub(crate) fn of(plugins: Vec<Box<dyn Steps>>, clock: Clock, answers: UnboundedSender<Answer>) -> Self {
+    ///
+    /// # Errors
+    /// If one cannot start.
+    pub(crate) fn of(plugins: Vec<Box<dyn Steps>>, clock: Clock, answers: UnboundedSender<Answer>) -> io::Result<Self> {
         let orders: Vec<_> = plugins
             .into_iter()
             .enumerate()
             .map(|(index, plugin)| {
                 let (sender, receiver) = mpsc::channel();
                 let answers = answers.clone();
-                thread::spawn(move || serve(PluginId(index), plugin, &receiver, &answers));
-                sender
+                let serve = move || serve(PluginId(index), plugin, &receiver, &answers);
+                aside::spawn(format!("plugin {index}"), serve)?;
+                Ok(sender)
             })
-            .collect();
-        Self {
+            .collect::<io::Result<_>>()?;
+        Ok(Self {
             working: orders.iter().map(|_| None).collect(),
             orders,
             answers,
             clock,
-        }
+        })
     }
 
     pub(crate) fn step(&mut self, plugin: PluginId, input: StepInput) {
@@ -269,7 +283,7 @@ mod tests {
     #[test]
     fn sr_022_a_host_that_panics_in_a_step_answers_as_a_plugin_that_failed() {
         let (sender, mut answers) = unbounded_channel();
-        let mut crew = Crew::of(vec![Box::new(Panics), Box::new(Idle)], Clock::start(), sender);
+        let mut crew = Crew::of(vec![Box::new(Panics), Box::new(Idle)], Clock::start(), sender).unwrap();
         let (bad, good) = (PluginId(0), PluginId(1));
         crew.step(bad, nothing());
         let Some(Answer::Returned(PluginId(0), returned)) = answers.blocking_recv() else {

@@ -132,7 +132,7 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
     let (keeps, kept) = unbounded_channel();
     let (ports, heard) = Ports::open(&[]).unwrap();
     let around = Around {
-        crew: Crew::of(plugins, clock, sender),
+        crew: Crew::of(plugins, clock, sender).unwrap(),
         ports,
         keeper: Keeper::panicking(keeps).unwrap(),
         recorder: Recording::to(Panics, "a log".to_owned(), &header).unwrap(),

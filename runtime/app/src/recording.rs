@@ -8,7 +8,6 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
 use std::time::Duration;
 
 use anyhow::Result;
@@ -16,6 +15,7 @@ use backseat_recorder::{Header, Listener, Recorder, RecorderError};
 use backseat_units::Timestamp;
 use tracing::{error, info, warn};
 
+use crate::aside;
 use crate::log_parts::Parts;
 
 /// Bytes that may wait for the disk: minutes of an ordinary run.
@@ -208,7 +208,7 @@ fn queue<F: Write>(
     let (pieces, waiting) = channel();
     let (has_ended, ended) = channel();
     let shared = Arc::clone(&disk);
-    thread::Builder::new().name("log".to_owned()).spawn(move || {
+    aside::spawn("log", move || {
         // A thread that has panicked takes no more pieces, so the queue stays full and no later send can fail.
         if catch_unwind(AssertUnwindSafe(|| write_out(open(), &waiting, &shared))).is_err() {
             shared.fail(io::Error::other("its thread has panicked"));
@@ -379,7 +379,7 @@ mod tests {
             recording.record(now, |recorder| {
                 recorder.input(now, &backseat_core::Input::Received(&bytes))
             });
-            thread::yield_now();
+            std::thread::yield_now();
         }
         recording.finish(at(1_000_000));
     }
@@ -405,7 +405,7 @@ mod tests {
         );
         thaws.send(()).unwrap();
         while recording.disk.waiting.load(Ordering::Relaxed) > WAITING_LOW {
-            thread::yield_now();
+            std::thread::yield_now();
         }
         recording.record(at(200_000), |recorder| recorder.input(at(200_000), &read));
         recording.finish(at(200_000));

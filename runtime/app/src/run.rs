@@ -236,7 +236,7 @@ impl Dive<'_> {
         let (sender, answers) = unbounded_channel();
         let (keeps, kept) = unbounded_channel();
         let around = Around {
-            crew: Crew::new(self.host, loaded.plugins, clock, sender),
+            crew: Crew::new(self.host, loaded.plugins, clock, sender)?,
             ports: self.ports,
             helm: Helm::new(start.armed, self.state.hold_path(), self.times),
             keeper: Keeper::start(self.state, start.held, keeps)?,

@@ -4,7 +4,6 @@
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::Pin;
-use std::thread;
 
 use anyhow::{Context, Result};
 use backseat_core::plugin::SonarEvent;
@@ -16,6 +15,7 @@ use tokio::net::TcpStream;
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 
+use crate::aside;
 use crate::clock::Clock;
 use crate::link::{Link, Ready, connect};
 
@@ -61,7 +61,7 @@ impl Sonars {
                 gone(&sent);
             }
         };
-        thread::Builder::new().name("sonar".to_owned()).spawn(served)?;
+        aside::spawn("sonar", served)?;
         Ok(Some(Self {
             wishes,
             reports,

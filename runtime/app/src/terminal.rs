@@ -9,6 +9,8 @@ use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::Duration;
 
+use crate::aside;
+
 /// How many lines may wait. A line is at most a few KiB long.
 const LINES_MAX: usize = 1024;
 /// How long the end of the program waits until all lines are written.
@@ -110,9 +112,8 @@ impl Terminal {
         let (lines, entries) = sync_channel(LINES_MAX);
         let dropped = Arc::new(AtomicU64::new(0));
         let counted = Arc::clone(&dropped);
-        let thread = thread::Builder::new().name("stderr".to_owned());
         // If the thread cannot start, nothing is printed and every line counts as dropped.
-        let _started = thread.spawn(move || write_out(out, &entries, &counted));
+        let _started = aside::spawn("stderr", move || write_out(out, &entries, &counted));
         Self { lines, dropped }
     }
 

@@ -1,5 +1,6 @@
 //! The loop around core at sea.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::pin::Pin;
 use std::time::Duration;
 
@@ -365,9 +366,12 @@ impl Driver {
     fn take_in(&mut self, input: Input<'_>) {
         // Each input has a time of its own, so that no time that core is given or that is recorded goes back.
         let now = self.clock.now();
+        self.handle(now, &input);
+        let sample = self.core.navigation().copied();
+        self.act_at_once();
+        // The log has the input before what follows from it.
         self.record(now, |recorder| recorder.input(now, &input));
-        self.handle(now, input);
-        if let Some(sample) = self.core.navigation().copied()
+        if let Some(sample) = sample
             && self.recorded_navigation != Some(sample.solution)
         {
             self.recorded_navigation = Some(sample.solution);
@@ -394,17 +398,37 @@ impl Driver {
         self.record(now, |recorder| recorder.reach(now, reach.as_ref()));
     }
 
-    fn handle(&mut self, now: Timestamp, input: Input<'_>) {
+    fn handle(&mut self, now: Timestamp, input: &Input<'_>) {
         self.judged = now;
-        self.core.handle(now, input);
+        let handled = catch_unwind(AssertUnwindSafe(|| self.core.handle(now, input.clone())));
+        if let Err(panic) = handled {
+            // What core panics at is the last thing in the log.
+            self.record(now, |recorder| recorder.input(now, input));
+            resume_unwind(panic);
+        }
     }
 
-    fn carry_out_all(&mut self) {
+    /// Takes core's outputs, sends what is for the vehicle, and has the plugins step on their threads. All else comes
+    /// after that: records, the screen, the disk.
+    fn act_at_once(&mut self) {
         let mut outputs = std::mem::take(&mut self.outputs);
+        let before = outputs.len();
+        outputs.extend(std::iter::from_fn(|| self.core.poll_output()));
+        self.send_all(&outputs[before..]);
+        for output in &outputs[before..] {
+            if let Output::Invoke(plugin, input) = output {
+                self.crew.step(*plugin, input.clone());
+            }
+        }
+        self.outputs = outputs;
+    }
+
+    /// Records core's outputs, and carries out what is left of them.
+    fn carry_out_all(&mut self) {
         loop {
+            self.act_at_once();
             let now = self.clock.now();
-            outputs.extend(std::iter::from_fn(|| self.core.poll_output()));
-            self.send_all(now, &outputs);
+            let mut outputs = std::mem::take(&mut self.outputs);
             for output in outputs.drain(..) {
                 self.record(now, |recorder| recorder.output(now, &output));
                 if let Some(onlooker) = &mut self.onlooker {
@@ -412,23 +436,23 @@ impl Driver {
                 }
                 self.carry_out(now, output);
             }
+            self.outputs = outputs;
             if !std::mem::take(&mut self.reset) {
-                break;
+                return;
             }
             self.reset_link();
             self.record(now, |recorder| recorder.input(now, &Input::LinkDown));
-            self.handle(now, Input::LinkDown);
+            self.handle(now, &Input::LinkDown);
         }
-        self.outputs = outputs;
     }
 
-    /// Sends what is for the vehicle before anything is recorded or printed, and before a plugin is woken. What comes
-    /// after a reset of the link belongs to no connection.
-    fn send_all(&mut self, now: Timestamp, outputs: &[Output]) {
+    /// What comes after a reset of the link belongs to no connection.
+    fn send_all(&mut self, outputs: &[Output]) {
         let before_reset = outputs.iter().take_while(|output| !matches!(output, Output::ResetLink));
         for output in before_reset {
             let Output::Send(bytes) = output else { continue };
-            if let Err(error) = self.link.send(self.judged, self.clock.now(), bytes) {
+            let now = self.clock.now();
+            if let Err(error) = self.link.send(self.judged, now, bytes) {
                 self.link_lost = Some(format!("the connection failed: {error}"));
                 self.reset = self.link.is_open();
             }
@@ -441,13 +465,11 @@ impl Driver {
 
     fn carry_out(&mut self, now: Timestamp, output: Output) {
         match output {
+            // See `act_at_once`.
             Output::Send(_) => {}
             Output::Connect { after } => self.connect_at = Some(now + after),
             Output::ResetLink => self.reset = true,
-            Output::Invoke(plugin, input) => {
-                self.shadows.step(plugin, &input);
-                self.crew.step(plugin, input);
-            }
+            Output::Invoke(plugin, input) => self.shadows.step(plugin, &input),
             Output::Restart(plugin) => self.crew.restart(plugin),
             Output::Sonar(wish) => {
                 if let Some(sonars) = &mut self.sonars {

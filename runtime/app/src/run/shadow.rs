@@ -4,7 +4,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
@@ -18,6 +17,7 @@ use backseat_units::Timestamp;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tracing::{info, warn};
 
+use crate::aside;
 use crate::lock::Allowed;
 use crate::plugins::DEADLINE_TICKS;
 
@@ -105,9 +105,7 @@ impl Shadows {
                 again_at: None,
             };
             let steps = sender.clone();
-            thread::Builder::new()
-                .name(format!("shadow {index}"))
-                .spawn(move || member.serve(&receiver, &steps))?;
+            aside::spawn(format!("shadow {index}"), move || member.serve(&receiver, &steps))?;
             shadows.push(Shadow {
                 plugin: PluginId(place),
                 name: name.clone(),

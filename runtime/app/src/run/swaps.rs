@@ -5,7 +5,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail, ensure};
@@ -18,6 +17,7 @@ use backseat_plugin_loader::Components;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tracing::warn;
 
+use crate::aside;
 use crate::lock::Allowed;
 use crate::swap::{Answer, FOLDER, Files, OPEN_FOLDER, Order, is_open, place};
 
@@ -78,9 +78,7 @@ impl Swaps {
             setups: setups.to_vec(),
             allowed,
         };
-        thread::Builder::new()
-            .name("swap".to_owned())
-            .spawn(move || desk.serve(&offering, &answers))?;
+        aside::spawn("swap", move || desk.serve(&offering, &answers))?;
         Ok(Self {
             offers,
             told,

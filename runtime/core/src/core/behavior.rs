@@ -138,7 +138,10 @@ impl Core {
         if let Some(begun) = begun {
             let ledger = &mut self.cx.ledger;
             // An insert that this process does not know may interrupt too.
-            if ledger.sent(begun).is_none_or(|entry| entry.insert.is_none_or(|insert| insert.interrupt)) {
+            if ledger
+                .sent(begun)
+                .is_none_or(|entry| entry.insert.is_none_or(|insert| insert.interrupt))
+            {
                 ledger.interrupt_all_but(begun);
                 return;
             }

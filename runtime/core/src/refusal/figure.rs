@@ -274,7 +274,9 @@ impl fmt::Display for FigureBreach {
             (None, None) => f.write_str("not a finite number")?,
         }
         match (least, most) {
-            (Some(0.0) | None, Some(most)) if above_0 => write!(f, "; expected more than 0, at most {}", Decimal(*most))?,
+            (Some(0.0) | None, Some(most)) if above_0 => {
+                write!(f, "; expected more than 0, at most {}", Decimal(*most))?
+            }
             (Some(least), Some(most)) => write!(f, "; expected {} to {}", Decimal(*least), Decimal(*most))?,
             (Some(least), None) => write!(f, "; expected at least {}", Decimal(*least))?,
             (None, Some(most)) => write!(f, "; expected at most {}", Decimal(*most))?,

@@ -83,7 +83,11 @@ fn flies_what_waited(interrupted: bool) -> Trial {
     );
     ends(&mut trial, Some(1), None);
     begins(&mut trial, None, Some(1));
-    accepted(&mut trial, Request::Trackline(line(2, (1000.0, -400.0), (300.0, -400.0))), 2);
+    accepted(
+        &mut trial,
+        Request::Trackline(line(2, (1000.0, -400.0), (300.0, -400.0))),
+        2,
+    );
     if interrupted {
         accepted(&mut trial, at_once(line(3, (1000.0, -300.0), (1100.0, -300.0))), 3);
     }
@@ -127,7 +131,11 @@ fn sr_019_an_insert_stays_open_if_one_that_interrupts_may_have_begun_unheard() {
         begins(&mut trial, None, Some(2));
         let states = trial.states(1);
         let last = shorts(&states).last().map(|last| (*last).to_owned());
-        assert_eq!(last.as_deref(), Some(if interrupting { "started" } else { "ended" }), "{states:?}");
+        assert_eq!(
+            last.as_deref(),
+            Some(if interrupting { "started" } else { "ended" }),
+            "{states:?}"
+        );
     }
 }
 
@@ -137,7 +145,12 @@ fn sr_019_an_insert_stays_open_if_another_payload_may_have_interrupted_it() {
     accepted(&mut trial, good_line(1), 1);
     begins(&mut trial, None, Some(1));
     begins(&mut trial, None, Some(40));
-    assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"), "{:?}", trial.states(1));
+    assert_eq!(
+        shorts(&trial.states(1)).last(),
+        Some(&"started"),
+        "{:?}",
+        trial.states(1)
+    );
     begins(&mut trial, Some(2), None);
     assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"), "{:?}", trial.states(1));
 }

@@ -1,0 +1,55 @@
+//! Threads beside the loop (safety requirement 022: the loop waits for nothing).
+
+use std::io;
+use std::thread;
+
+use thread_priority::unix::set_thread_priority_and_policy;
+use thread_priority::{NormalThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, thread_native_id};
+
+/// What the crate calls the niceness 0, which threads have anyway.
+const NICE_0: u8 = 47;
+
+/// Starts a thread beside the loop. It may run whenever a processor is free, but when the loop wakes it, the loop goes on
+/// first: Linux lets no thread of the policy `SCHED_BATCH` displace one of the ordinary policy (sched(7)). Without that,
+/// each plugin that the loop wakes would run before the loop has answered the vehicle.
+///
+/// # Errors
+/// If it cannot start.
+pub(crate) fn spawn(name: impl Into<String>, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
+    let thread = thread::Builder::new().name(name.into());
+    let _detached = thread.spawn(move || {
+        // If the system forbids this, the thread displaces the loop now and then, for less than a millisecond.
+        if let Ok(nice_0) = NICE_0.try_into() {
+            let batch = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Batch);
+            let _forbidden =
+                set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(nice_0), batch);
+        }
+        work();
+    })?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn sr_022_a_thread_beside_the_loop_does_not_displace_it() {
+        let (tell, told) = channel();
+        spawn("aside", move || {
+            let stat = fs::read_to_string("/proc/thread-self/stat").unwrap();
+            // What follows the name in brackets (proc(5)) begins with field 3.
+            let (_, fields) = stat.rsplit_once(')').unwrap();
+            let fields: Vec<&str> = fields.split_whitespace().collect();
+            let (nice, policy) = (fields[19 - 3].to_owned(), fields[41 - 3].to_owned());
+            tell.send((nice, policy)).unwrap();
+        })
+        .unwrap();
+        const SCHED_BATCH: &str = "3";
+        let (nice, policy) = told.recv().unwrap();
+        assert_eq!((nice.as_str(), policy.as_str()), ("0", SCHED_BATCH));
+    }
+}

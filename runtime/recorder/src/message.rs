@@ -172,6 +172,13 @@ impl<'a> RemarkRef<'a> {
     }
 }
 
+/// A message of `/notes` about what somebody asked of the driver, for writing.
+#[derive(Serialize)]
+pub(crate) struct AskedRef<'a> {
+    pub(crate) note: &'static str,
+    pub(crate) text: &'a str,
+}
+
 /// A message of `/control`, for writing.
 #[derive(Serialize)]
 pub(crate) struct ControlRef<'a> {

@@ -18,7 +18,7 @@ use crate::encode::{Place, write_input, write_output};
 use crate::error::RecorderError;
 use crate::header::{COMPONENT_LIMIT, Header, Preamble, Rate, version_name};
 use crate::measures::{Measures, SCHEMA};
-use crate::message::{InputRef, Line, NavigationRow, RemarkRef};
+use crate::message::{AskedRef, InputRef, Line, NavigationRow, RemarkRef};
 use crate::plain;
 use crate::remark::Remark;
 use crate::shadow::ShadowStep;
@@ -163,6 +163,7 @@ impl<W: Write + Seek> Recorder<W> {
     ///
     /// [`RecorderError::Write`].
     pub fn asked(&mut self, now: Timestamp, text: &str) -> Result<(), RecorderError> {
+        self.put_json(Channel::Notes, now, &AskedRef { note: "asked", text })?;
         self.view.asked(self.moment(now), text, &mut self.derived);
         self.put_derived(now)
     }

@@ -130,6 +130,8 @@ impl Replay {
             Some(Channel::FromVehicle | Channel::Input) => self.input(message)?,
             Some(Channel::Notes) => match remark(&message) {
                 Some(remark) => self.remark(remark),
+                // Core does not know who asked.
+                None if is_asked(&message) => {}
                 None => self.output(&message),
             },
             Some(Channel::ToVehicle | Channel::Output | Channel::Requests | Channel::Control) => self.output(&message),
@@ -475,6 +477,11 @@ fn invalid(message: &Message, source: serde_json::Error) -> ReplayError {
 }
 
 /// What a simulation did to the process, if this message says so.
+/// Whether a note is the driver's, about what somebody asked of it.
+fn is_asked(message: &Message) -> bool {
+    message.data.starts_with(br#"{"note":"asked","#)
+}
+
 fn remark(message: &Message) -> Option<Remark> {
     const MARK: &[u8] = b"\"simulation\":";
     if !message.data.windows(MARK.len()).any(|part| part == MARK) {

@@ -23,7 +23,7 @@ use crate::plugins::{Answer, Crew};
 use crate::rate::Rate;
 use crate::recording::{Queue, Recording};
 use crate::run::shadow::Shadows;
-use crate::run::swaps::{Offer, Swaps};
+use crate::run::swaps::{News, Offer, Swaps};
 use crate::service::{Service, Slips};
 use crate::sonar::Sonars;
 
@@ -209,7 +209,10 @@ impl Driver {
                     Ready::Closed => self.lose_link("the vehicle closed the connection".to_owned()),
                 },
                 report = Sonars::next(&mut self.sonars) => self.feed(Input::Sonar(report)),
-                offer = Swaps::next(&mut self.swaps) => self.swap(offer),
+                said = Swaps::next(&mut self.swaps) => match said {
+                    News::Ready(offer) => self.swap(*offer),
+                    News::Refused(why) => self.note_asked(&why),
+                },
                 step = self.shadows.next() => {
                     let now = self.clock.now();
                     self.record(now, |recorder| recorder.shadow(now, &step));
@@ -262,12 +265,19 @@ impl Driver {
             Answer::Returned(plugin, returned) => self.feed(Input::Returned(plugin, returned)),
             Answer::Restarted(plugin, restarted) => self.feed(Input::Restarted(plugin, restarted)),
             Answer::Passed(plugin, version) => {
-                let text = format!("{}: version {version}, which are over", self.names[plugin.0]);
+                let (name, hash) = (&self.names[plugin.0], version.sha256.get(..12).unwrap_or_default());
+                let (version, steps) = (version.version, version.trial_steps);
+                let text = format!("{name}: version {version} ({hash}) has passed its trial of {steps} steps");
                 info!("{text}");
-                let now = self.clock.now();
-                self.record(now, |recorder| recorder.asked(now, &text));
+                self.note_asked(&text);
             }
         }
+    }
+
+    /// Has the log say what somebody asked for, or what came of it.
+    fn note_asked(&mut self, text: &str) {
+        let now = self.clock.now();
+        self.record(now, |recorder| recorder.asked(now, text));
     }
 
     /// Puts a version in a plugin's place that the operator wants there.
@@ -507,8 +517,7 @@ impl Driver {
         if let Some(who) = &asked.who {
             let text = format!("{who} at the console: {}", asked.word());
             info!("{text}");
-            let now = self.clock.now();
-            self.record(now, |recorder| recorder.asked(now, &text));
+            self.note_asked(&text);
         }
         self.operator(asked.act);
     }

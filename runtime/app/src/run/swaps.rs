@@ -34,6 +34,14 @@ pub(crate) struct Offer {
     number: u64,
 }
 
+/// What the thread tells the loop.
+pub(crate) enum News {
+    /// A version is ready.
+    Ready(Box<Offer>),
+    /// An order was refused; the text says why.
+    Refused(String),
+}
+
 /// What the thread works with.
 struct Desk {
     folder: PathBuf,
@@ -51,7 +59,7 @@ struct Told {
 
 /// The loop's side.
 pub(crate) struct Swaps {
-    offers: UnboundedReceiver<Offer>,
+    news: UnboundedReceiver<News>,
     told: Sender<Told>,
     /// The order of each plugin whose version is about to take over.
     open: Vec<Option<(u64, Version)>>,
@@ -69,7 +77,7 @@ impl Swaps {
         setups: &[PluginSetup],
         allowed: Option<Allowed>,
     ) -> Result<Self> {
-        let (offering, offers) = unbounded_channel();
+        let (telling, news) = unbounded_channel();
         let (told, answers) = channel();
         let desk = Desk {
             folder: state.join(FOLDER),
@@ -78,19 +86,19 @@ impl Swaps {
             setups: setups.to_vec(),
             allowed,
         };
-        aside::spawn("swap", move || desk.serve(&offering, &answers))?;
+        aside::spawn("swap", move || desk.serve(&telling, &answers))?;
         Ok(Self {
-            offers,
+            news,
             told,
             open: setups.iter().map(|_| None).collect(),
         })
     }
 
-    /// The next version that is ready; waits for ever where there will be none.
-    pub(crate) async fn next(swaps: &mut Option<Self>) -> Offer {
-        if let Some(Self { offers, .. }) = swaps {
-            if let Some(offer) = offers.recv().await {
-                return offer;
+    /// What the thread says next; waits for ever where there will be nothing.
+    pub(crate) async fn next(swaps: &mut Option<Self>) -> News {
+        if let Some(Self { news, .. }) = swaps {
+            if let Some(said) = news.recv().await {
+                return said;
             }
             // The thread has panicked.
             *swaps = None;
@@ -136,14 +144,14 @@ impl Swaps {
 }
 
 impl Desk {
-    fn serve(&self, offers: &UnboundedSender<Offer>, answers: &Receiver<Told>) {
+    fn serve(&self, news: &UnboundedSender<News>, answers: &Receiver<Told>) {
         // What an earlier process has not carried out is not carried out by this one.
         for setup in &self.setups {
             let _none = fs::remove_file(Files::of(&self.folder, &setup.name).order);
         }
         loop {
             crate::clock::pause(LOOK_EVERY);
-            if offers.is_closed() {
+            if news.is_closed() {
                 return;
             }
             while let Ok(Told { plugin, answer }) = answers.try_recv() {
@@ -157,10 +165,11 @@ impl Desk {
                         let number = order.number;
                         match self.prepare(PluginId(index), setup, order, component) {
                             // The loop may have ended.
-                            Ok(offer) => drop(offers.send(offer)),
+                            Ok(offer) => drop(news.send(News::Ready(Box::new(offer)))),
                             Err(error) => {
                                 let text = format!("{}: not swapped: {error:#}", setup.name);
                                 warn!("{text}");
+                                let _ended = news.send(News::Refused(text.clone()));
                                 let swapped = false;
                                 self.answer(&setup.name, &Answer { number, swapped, text });
                             }

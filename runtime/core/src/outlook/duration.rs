@@ -90,22 +90,23 @@ impl Outlook<'_> {
         })
     }
 
-    /// Refuses an insert that interrupts one of ours, if a zone changes in the time by which that one is delayed: the
-    /// vehicle may come back to it (SPI 7.5).
+    /// Refuses an insert that delays one of ours, if a zone changes in the time by which that one is delayed. An insert
+    /// that interrupts delays what is flown. While one of ours is or may be interrupted, each further insert delays it: the
+    /// vehicle may fly all that wait before it comes back (SPI 7.5).
     pub(crate) fn admit_delay(&self, insert: &Insert, route: &Route) -> Result<(), Refusal> {
-        if !insert.interrupt {
-            return Ok(());
-        }
-        let delay_s = route.before_s + self.monitor.envelope.lasts_s(insert, route);
+        let all_s =
+            TAKEN_UP_S + self.others_s() + self.ledger.open_duration_s() + self.monitor.envelope.lasts_s(insert, route);
         let begun = self
             .ledger
             .iter()
             .filter(|(_, entry)| entry.state == RequestState::Started);
         for (request, entry) in begun {
-            let delayed = entry
-                .schedule
-                .filter(|schedule| self.changes_between(schedule.ends_by, schedule.ends_by + seconds(delay_s)));
-            if delayed.is_some() {
+            let Some(schedule) = entry.schedule else { continue };
+            if !insert.interrupt && !entry.interrupted && !self.ledger.awaits_interrupter(request) {
+                continue;
+            }
+            let delay_s = all_s - entry.duration_s;
+            if !delay_s.is_finite() || self.changes_between(schedule.ends_by, schedule.ends_by + seconds(delay_s)) {
                 return Err(Refusal::Delays { request });
             }
         }

@@ -5,11 +5,12 @@ use std::time::Duration;
 
 use backseat_core::plugin::Rule;
 use backseat_core::plugin::{Judge, Request};
-use backseat_core::{Envelope, Input, Note};
+use backseat_core::{Envelope, Input, Limits, Note};
 use backseat_fence::Fence;
 use backseat_units::{Timestamp, Utc};
 
-use crate::course::{good_line, interrupting, limits, modify};
+use crate::course::{good_line, interrupting, limits, line, modify};
+use crate::scene::{at_once, begins, ends};
 use crate::trial::{Setup, Trial, shorts};
 
 /// The trials' time zero, 2023-11-14T22:13:20Z.
@@ -241,6 +242,45 @@ fn sr_004_a_lease_ends_before_a_zone_opens_on_its_way_back() {
     let refusal = trial.rejection(1);
     assert!(refusal.contains("inside keep-out zone 'convoy'"), "{refusal}");
     assert_eq!(trial.sent_since("RMB", ended).len(), 0);
+}
+
+#[test]
+fn sr_002_an_interrupted_insert_is_delayed_by_all_that_is_flown_before_it_goes_on() {
+    // It crosses the zone, and ends far behind it.
+    let across = |tag: u64| Request::Trackline(line(tag, (-100.0, 500.0), (1200.0, 500.0)));
+    let south = |tag: u64| Request::Trackline(line(tag, (-1700.0, -600.0), (1300.0, -600.0)));
+    let short = |tag: u64| at_once(line(tag, (1200.0, 200.0), (1250.0, 200.0)));
+    let begun = |opens_s| {
+        let limits = Limits {
+            inserts_duration_max_s: 50_000.0,
+            ..limits()
+        };
+        let mut trial = Trial::with_under_way(Setup {
+            fence: opens_after(ON_THE_LINE, opens_s),
+            limits,
+            ..Setup::default()
+        });
+        let admitted = ask(&mut trial, 1, across(1)).is_none();
+        ends(&mut trial, Some(1), None);
+        begins(&mut trial, None, Some(1));
+        admitted.then_some(trial)
+    };
+    // If nothing else waits, the line is over in time where the zone opens so late.
+    let late_enough = |opens_s: &u64| begun(*opens_s).is_some_and(|mut trial| ask(&mut trial, 2, short(2)).is_none());
+    let opens_s = (3000..20_000)
+        .step_by(100)
+        .find(late_enough)
+        .expect("it is over some time");
+    let mut alone = begun(opens_s).unwrap();
+    assert_eq!(ask(&mut alone, 2, short(2)), None);
+    // The vehicle may fly the long way in the south before it goes on along the line.
+    let refused = ask(&mut alone, 3, south(3)).unwrap();
+    assert!(refused.starts_with("time: it would delay insert"), "{refused}");
+    begins(&mut alone, None, Some(2));
+    assert!(ask(&mut alone, 4, south(4)).is_some());
+    let mut waits = begun(opens_s).unwrap();
+    assert_eq!(ask(&mut waits, 2, south(2)), None);
+    assert!(ask(&mut waits, 3, short(3)).is_some());
 }
 
 #[test]

@@ -93,6 +93,11 @@ fn shadow_steps(log: &Path) -> Vec<Value> {
     steps
 }
 
+/// What `backseat log` prints.
+fn log_told(command: &str, log: &Path) -> String {
+    Backseat::new().args(["log", command]).arg(log).run().exit(0).stdout
+}
+
 fn replayed(log: &Path) -> Value {
     let report = Backseat::new().args(["replay", "--json"]).arg(log).run().exit(0).json();
     assert_eq!(report["identical"], true, "{report}");
@@ -113,7 +118,10 @@ fn versions_take_over_in_the_middle_of_a_lease_and_the_dive_is_replayed() {
         let swapped = swap_with(&mission, file, &["--sha256", &hash(file), "--trial", "2"]).exit(0);
         assert!(swapped.stdout.contains(&hash(file)[..12]), "{swapped}");
         run.says("pilot: swapped", SOON);
-        run.says("2 steps on trial, which are over", SOON);
+        run.says(
+            &format!("({}) has passed its trial of 2 steps", &hash(file)[..12]),
+            SOON,
+        );
         let _ = vehicle.receives("BPRMB", count, SOON);
     }
     assert!(vehicle.received("BPEMB").is_empty(), "one lease: {}", vehicle.story());
@@ -122,6 +130,15 @@ fn versions_take_over_in_the_middle_of_a_lease_and_the_dive_is_replayed() {
     assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB");
     let report = replayed(&path);
     assert_eq!(report["plugins"][0]["swaps"], 2, "{report}");
+    let passed = format!(
+        "pilot: version 0.1.0 ({}) has passed its trial of 2 steps",
+        &hash(&next)[..12]
+    );
+    for (command, line) in [("show", "pilot: swapped"), ("show", &passed), ("report", &passed)] {
+        let told = log_told(command, &path);
+        assert!(told.contains(line), "{line}: {told}");
+        assert!(!told.contains("the version before"), "{told}");
+    }
 }
 
 #[test]
@@ -150,6 +167,12 @@ fn gives_way(heading_deg: f64, why: &str) {
     assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB: {}", vehicle.story());
     let report = replayed(&path);
     assert_eq!(report["plugins"][0]["swaps"], 1, "{report}");
+    let line = format!(
+        "pilot: version 0.2.0 ({}) did not pass its trial, and the version before is back",
+        &hash(&fickle())[..12]
+    );
+    let told = log_told("report", &path);
+    assert!(told.contains(&line), "{line}: {told}");
 }
 
 #[test]
@@ -218,6 +241,15 @@ fn a_swap_that_cannot_be_done_says_why_and_changes_nothing() {
     let gap_s = worst_gap_s(&log);
     assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB");
     let _ = replayed(&path);
+    for command in ["show", "report"] {
+        let told = log_told(command, &path);
+        assert!(told.contains("pilot: not swapped: plugin `pilot`"), "{told}");
+    }
+    let told = log_told("report", &path);
+    assert!(
+        told.contains("could not take over, and the version before goes on"),
+        "{told}"
+    );
 }
 
 #[test]

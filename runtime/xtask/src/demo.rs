@@ -36,6 +36,8 @@ fn fly() -> Result<()> {
 /// Prints the speed table.
 pub(crate) fn bench() -> Result<()> {
     plugins::plugins()?;
+    // One of the benchmarks runs the program.
+    let _program = release()?;
     cargo(&["bench", "--package", "backseat-bench"])
 }
 

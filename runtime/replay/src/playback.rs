@@ -476,12 +476,12 @@ fn invalid(message: &Message, source: serde_json::Error) -> ReplayError {
     }
 }
 
-/// What a simulation did to the process, if this message says so.
 /// Whether a note is the driver's, about what somebody asked of it.
 fn is_asked(message: &Message) -> bool {
     message.data.starts_with(br#"{"note":"asked","#)
 }
 
+/// What a simulation did to the process, if this message says so.
 fn remark(message: &Message) -> Option<Remark> {
     const MARK: &[u8] = b"\"simulation\":";
     if !message.data.windows(MARK.len()).any(|part| part == MARK) {

@@ -3,11 +3,9 @@
 use std::io;
 use std::thread;
 
+use rustix::process::getpriority_process;
 use thread_priority::unix::set_thread_priority_and_policy;
 use thread_priority::{NormalThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, thread_native_id};
-
-/// What the crate calls the niceness 0, which threads have anyway.
-const NICE_0: u8 = 47;
 
 /// Starts a thread beside the loop. It may run whenever a processor is free, but when the loop wakes it, the loop goes on
 /// first: Linux lets no thread of the policy `SCHED_BATCH` displace one of the ordinary policy (sched(7)). Without that,
@@ -19,14 +17,21 @@ pub(crate) fn spawn(name: impl Into<String>, work: impl FnOnce() + Send + 'stati
     let thread = thread::Builder::new().name(name.into());
     let _detached = thread.spawn(move || {
         // If the system forbids this, the thread displaces the loop now and then, for less than a millisecond.
-        if let Ok(nice_0) = NICE_0.try_into() {
+        if let Some(priority) = getpriority_process(None).ok().and_then(priority) {
             let batch = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Batch);
-            let _forbidden =
-                set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(nice_0), batch);
+            let _forbidden = set_thread_priority_and_policy(thread_native_id(), priority, batch);
         }
         work();
     })?;
     Ok(())
+}
+
+/// What the crate calls this niceness, -20 to 19. The crate sets both at once, and the niceness stays as it is.
+fn priority(nice: i32) -> Option<ThreadPriority> {
+    // It divides its own range, 0 to 99 and the other way round, into the 39 steps of the niceness.
+    let share = (f64::from(nice) + 20.5) / 39.0;
+    let value = (99.0 * (1.0 - share)).round().clamp(0.0, 99.0) as u8;
+    value.try_into().ok().map(ThreadPriority::Crossplatform)
 }
 
 #[cfg(test)]
@@ -35,6 +40,14 @@ mod tests {
     use std::sync::mpsc::channel;
 
     use super::*;
+
+    #[test]
+    fn the_niceness_stays_as_it_is() {
+        let batch = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Batch);
+        for nice in -20..=19 {
+            assert_eq!(priority(nice).unwrap().to_posix(batch).unwrap(), nice);
+        }
+    }
 
     #[test]
     fn sr_022_a_thread_beside_the_loop_does_not_displace_it() {
@@ -50,6 +63,7 @@ mod tests {
         .unwrap();
         const SCHED_BATCH: &str = "3";
         let (nice, policy) = told.recv().unwrap();
-        assert_eq!((nice.as_str(), policy.as_str()), ("0", SCHED_BATCH));
+        let own = getpriority_process(None).unwrap().to_string();
+        assert_eq!((nice, policy.as_str()), (own, SCHED_BATCH));
     }
 }

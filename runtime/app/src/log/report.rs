@@ -161,7 +161,7 @@ impl Report {
             last: BTreeMap::new(),
             granted: None,
             process: 0,
-            on_trial: BTreeMap::new(),
+            swapped_to: BTreeMap::new(),
         };
         for entry in &log.entries {
             collect.record(entry.now.as_secs_f64(), &entry.record);
@@ -301,8 +301,8 @@ struct Collect<'a> {
     last: BTreeMap<(u64, u64), Last>,
     granted: Option<f64>,
     process: u64,
-    /// The version of each plugin that is on trial: number and hash, as texts have them.
-    on_trial: BTreeMap<u64, String>,
+    /// The version that last took each plugin's place, or was to: number and hash.
+    swapped_to: BTreeMap<u64, String>,
 }
 
 /// At most so many troubles are listed. The rest is counted.
@@ -327,7 +327,7 @@ impl Collect<'_> {
                 let name = self.name(plugin.0 as u64);
                 self.happened(at_s, format!("swap {name} to version {version}"));
                 let version = format!("{} ({})", version.version, version.sha256.get(..12).unwrap_or_default());
-                self.on_trial.insert(plugin.0 as u64, version);
+                self.swapped_to.insert(plugin.0 as u64, version);
             }
             Record::Input(_)
             | Record::Sent(_)
@@ -419,28 +419,21 @@ impl Collect<'_> {
                     }),
                 }
             }
-            "operator" => {
+            "operator" | "asked" => {
                 let text = line();
-                self.happened(at_s, text);
-            }
-            "asked" => {
-                let text = line();
-                let passed =
-                    |name: &str, version: &str| text.starts_with(&format!("{name}: version {version} has passed"));
-                let names = self.names;
-                self.on_trial
-                    .retain(|plugin, version| !passed(names.get(*plugin as usize).map_or("", String::as_str), version));
                 self.happened(at_s, text);
             }
             "plugin-failed" | "plugin-not-swapped" | "recovery" | "navigation" | "late" | "link-down" => {
                 let text = line();
                 let came_to = match note["note"].as_str() {
-                    Some("plugin-failed") => Some("did not pass its trial, and the version before is back"),
+                    Some("plugin-failed") if note["fault"]["kind"] == "Trial" => {
+                        Some("did not pass its trial, and the version before is back")
+                    }
                     Some("plugin-not-swapped") => Some("could not take over, and the version before goes on"),
                     _ => None,
                 };
                 if let (Some(came_to), Some(plugin)) = (came_to, note["plugin"].as_u64())
-                    && let Some(version) = self.on_trial.remove(&plugin)
+                    && let Some(version) = self.swapped_to.remove(&plugin)
                 {
                     let name = self.name(plugin);
                     self.happened(at_s, format!("{name}: version {version} {came_to}"));

@@ -426,7 +426,7 @@ impl Collect<'_> {
             "plugin-failed" | "plugin-not-swapped" | "recovery" | "navigation" | "late" | "link-down" => {
                 let text = line();
                 let came_to = match note["note"].as_str() {
-                    Some("plugin-failed") if note["fault"]["kind"] == "Trial" => {
+                    Some("plugin-failed") if note["fault"]["kind"] == "trial" => {
                         Some("did not pass its trial, and the version before is back")
                     }
                     Some("plugin-not-swapped") => Some("could not take over, and the version before goes on"),

@@ -2,23 +2,29 @@
 
 import math
 import random
+from dataclasses import dataclass, field
 
 import pytest
 from backseat_sdk import (
     Accepted,
     Cancel,
     Depth,
+    Description,
     EndKind,
     Ended,
+    Grant,
+    Plugin,
     Position,
     Refusal,
     Rejected,
     Restored,
     Rule,
+    Shutdown,
     Started,
     StepInput,
     TimedOut,
     TimerExpired,
+    Trackcircle,
     Trackline,
 )
 from backseat_sdk.survey import (
@@ -28,12 +34,13 @@ from backseat_sdk.survey import (
     InsertQueue,
     Line,
     Local,
+    LocalFrame,
     PlaneFit,
     Progress,
     Timers,
     lawnmower,
 )
-from backseat_sdk.testing import outcome
+from backseat_sdk.testing import ORIGIN, Harness, navigation, outcome
 
 
 def test_along_and_across_a_line():
@@ -121,20 +128,138 @@ def test_a_queue_keeps_its_order_and_asks_ahead():
 
 
 def test_a_queue_tries_again_after_a_pause_and_gives_up():
-    queue = InsertQueue(attempts_max=2, pause_s=10.0)
+    queue = InsertQueue(attempts_max=2, refusals_max=3, pause_s=10.0)
     queue.add(trackline())
     queue.add(trackline())
     first, second = queue.step(StepInput(now_ns=0, control=True))
-    refused = outcome(first, Rejected(Refusal(Rule.KEEP_OUT, text="in the lane")))
+    refused = outcome(first, Rejected(Refusal(Rule.GRANT, text="the mission does not grant `insert`")))
     lost = outcome(second, TimedOut())
     assert queue.step(StepInput(now_ns=0, control=True, events=(refused, lost))) == []
-    assert queue.inserts[0].progress is Progress.GIVEN_UP and queue.inserts[0].why == "in the lane"
+    assert queue.inserts[0].progress is Progress.GIVEN_UP and queue.inserts[0].why.endswith("`insert`")
     assert queue.step(StepInput(now_ns=9_000_000_000, control=True)) == []
     [again] = queue.step(StepInput(now_ns=10_000_000_000, control=True))
     assert again.tag == 1_000_002
+    # A refusal is no attempt: the vehicle never got this one.
     paused = outcome(again, Rejected(Refusal(Rule.PAUSE, text="just refused")))
     queue.step(StepInput(now_ns=11_000_000_000, control=True, events=(paused,)))
-    assert queue.is_done and queue.inserts[1].why == "just refused"
+    [again] = queue.step(StepInput(now_ns=21_000_000_000, control=True))
+    queue.step(StepInput(now_ns=22_000_000_000, control=True, events=(outcome(again, TimedOut()),)))
+    assert queue.is_done and queue.inserts[1].why == "not answered"
+
+
+def test_a_queue_asks_again_for_what_is_refused_until_it_has_had_enough():
+    queue = InsertQueue(refusals_max=3, pause_s=10.0)
+    queue.add(trackline())
+    unknown = Rejected(Refusal(Rule.PLAN, text="plan unknown"))
+    for attempt in range(4):
+        [asked] = queue.step(StepInput(now_ns=attempt * 10_000_000_000, control=True))
+        events = (outcome(asked, unknown),)
+        queue.step(StepInput(now_ns=attempt * 10_000_000_000, control=True, events=events))
+        if queue.is_done:
+            break
+    assert attempt == 2 and queue.inserts[0].progress is Progress.GIVEN_UP
+
+
+def test_a_queue_without_control_waits_as_long_as_it_takes():
+    queue = InsertQueue(refusals_max=1, attempts_max=1, pause_s=1.0)
+    queue.add(trackline())
+    for second in range(0, 50, 2):
+        [asked] = queue.step(StepInput(now_ns=second * 1_000_000_000, control=True))
+        lost = outcome(asked, Rejected(Refusal(Rule.CONTROL, text="no control")))
+        queue.step(StepInput(now_ns=second * 1_000_000_000, control=False, events=(lost,)))
+    assert queue.inserts[0].progress is Progress.WAITING
+
+
+class Asks(Plugin):
+    """Flies one line and one circle."""
+
+    @dataclass
+    class State:
+        queue: InsertQueue = field(default_factory=InsertQueue)
+
+    def describe(self):
+        return Description("asks", "1", grants=(Grant.INSERT,))
+
+    def step(self, input):
+        return self.state.queue.step(input)
+
+
+def test_a_queue_makes_smaller_what_does_not_fit_into_the_fence():
+    harness = Harness(Asks)
+    queue = harness.plugin.state.queue
+    far = Refusal(Rule.KEEP_IN, text="outside of the bay")
+    short = LocalFrame(ORIGIN).to_position(Local(0.0, 300.0))
+    queue.add(Trackline(0, ORIGIN, short, Depth(10.0), 1.5))
+    queue.add(Trackcircle(0, ORIGIN, 40.0, 1.0, Depth(10.0), 1.5))
+
+    def fence(request):
+        if isinstance(request, Trackline):
+            return 5.0 if LocalFrame(ORIGIN).to_local(request.end).north < 210.0 else far
+        return far
+
+    harness.recorder.fence = fence
+    asked = harness.step()
+    for _ in range(6):
+        refused = [outcome(each, Rejected(far)) for each in asked if harness.recorder.fence(each) is far]
+        asked = harness.step(refused)
+    line, circle = queue.inserts
+    frame = LocalFrame(ORIGIN)
+    start, end = frame.to_local(line.request.start), frame.to_local(line.request.end)
+    assert line.progress is Progress.ASKED and abs(start.north - 100.0) < 0.01 and abs(end.north - 200.0) < 0.01
+    assert circle.progress is Progress.GIVEN_UP and math.isclose(circle.request.radius, 40.0 * 0.75**3)
+    assert ("warn", "insert 2 of 2 made smaller: outside of the bay") in harness.lines
+    assert ("warn", "insert 2 of 2 given up: outside of the bay") in harness.lines
+
+
+def test_a_queue_counts_a_line_as_flown_by_where_the_vehicle_was():
+    queue, frame = InsertQueue(pause_s=1.0), LocalFrame(ORIGIN)
+    queue.add(Trackline(0, ORIGIN, frame.to_position(Local(0.0, 1000.0)), Depth(10.0), 1.5))
+
+    def at(east, north, velocity_north, events=(), second=1):
+        moving = navigation(east=east, north=north, velocity_north=velocity_north)
+        return queue.step(
+            StepInput(now_ns=second * 1_000_000_000, control=True, navigation=moving, events=tuple(events))
+        )
+
+    [line] = at(0.0, 0.0, 0.0)
+    at(0.0, 900.0, 1.5)
+    assert queue.last_progress == 0.0, "it has not begun"
+    at(0.0, 0.0, 1.5, [outcome(line, Started())])
+    at(0.0, 900.0, -1.5)
+    at(60.0, 900.0, 1.5)
+    assert queue.last_progress == 0.0, "on the way to it"
+    at(3.0, 400.0, 1.5)
+    assert math.isclose(queue.last_progress, 0.4, abs_tol=1e-3)
+    at(0.0, 400.0, 1.5, [outcome(line, Ended(EndKind.BEHAVIOR))])
+    assert queue.inserts[0].progress is Progress.WAITING, "ended too early"
+    [line] = at(0.0, 0.0, 1.5, second=3)
+    at(0.0, 0.0, 1.5, [outcome(line, Started())], second=3)
+    at(3.0, 600.0, 1.5, second=4)
+    at(3.0, 600.0, 1.5, [outcome(line, Ended(EndKind.BEHAVIOR))], second=5)
+    assert queue.is_done and queue.last_progress == 1.0
+
+
+def test_a_queue_goes_on_with_the_next_while_the_first_has_to_wait():
+    queue = InsertQueue(ahead=1)
+    for _ in range(3):
+        queue.add(trackline())
+    [first] = queue.step(StepInput(control=True))
+    # Before anything has begun, what refuses the first refuses all.
+    queue.step(StepInput(control=True, events=(outcome(first, TimedOut()),)))
+    assert queue.step(StepInput(now_ns=1_000_000_000, control=True)) == []
+    [first] = queue.step(StepInput(now_ns=10_000_000_000, control=True))
+    ended = (outcome(first, Started()), outcome(first, Ended(EndKind.DONE)))
+    [second] = queue.step(StepInput(now_ns=20_000_000_000, control=True, events=ended))
+    [third] = queue.step(StepInput(now_ns=30_000_000_000, control=True, events=(outcome(second, TimedOut()),)))
+    assert third.tag != second.tag and queue.inserts[1].progress is Progress.WAITING
+    assert queue.inserts[2].progress is Progress.ASKED
+
+
+def test_a_queue_asks_for_nothing_before_the_power_goes():
+    queue = InsertQueue()
+    queue.add(trackline())
+    assert queue.step(StepInput(control=True, events=(Shutdown(),))) == []
+    assert queue.step(StepInput(now_ns=1_000_000_000, control=True)) == [] and queue.is_shut_down
 
 
 def test_a_queue_forgets_no_insert_in_a_restart():

@@ -142,6 +142,7 @@ impl Console {
                 hub,
                 token: Some(token),
                 live: true,
+                pace: None,
             },
         )?;
         info!(
@@ -159,9 +160,14 @@ impl Console {
         })
     }
 
-    /// Shows a simulation, which nobody can hold.
+    /// Shows a simulation, which nobody can hold, and whose pace can be changed.
     #[cfg(feature = "simulation")]
-    pub(crate) fn show(self, mission: &Mission, utc: Utc) -> Result<Option<backseat_recorder::Listener>> {
+    pub(crate) fn show(
+        self,
+        mission: &Mission,
+        utc: Utc,
+        pace: &backseat_console::Pace,
+    ) -> Result<Option<backseat_recorder::Listener>> {
         let Some(listener) = self.page else { return Ok(None) };
         let about = About {
             armed: Some(true),
@@ -174,8 +180,9 @@ impl Console {
             hub,
             token: None,
             live: true,
+            pace: Some(pace.clone()),
         };
-        // Nobody can ask for anything.
+        // Nobody can hold or release.
         drop(serve(listener, service)?);
         info!("console: http://{address}");
         Ok(Some(Box::new(move |now, topic, data| feed.wait(now, topic, data))))

@@ -129,10 +129,25 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         )?),
         None => None,
     };
+    let speed = match arguments.speed {
+        Speed::Max => None,
+        Speed::Times(times) => Some(times),
+    };
     #[cfg(feature = "console")]
-    if let (Some(recorder), Some(listener)) = (&mut recorder, console.show(&mission, scenario.world.start.utc)?) {
+    let pace = backseat_console::Pace::new(speed);
+    #[cfg(feature = "console")]
+    if let (Some(recorder), Some(listener)) = (&mut recorder, console.show(&mission, scenario.world.start.utc, &pace)?)
+    {
         recorder.listen(listener);
     }
+    // The page calls everything above a limit as fast as can be, so a pace that nobody can change is not taken from it.
+    let times = || {
+        #[cfg(feature = "console")]
+        if watched {
+            return pace.times();
+        }
+        speed.unwrap_or(f64::INFINITY)
+    };
     if let Some(path) = &arguments.map {
         // Reports a file that cannot be written before the run, not after it.
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
@@ -177,10 +192,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         reload: Box::new(|| components.start(&mission)),
     };
     let progress = progress_bar(arguments.json);
-    match arguments.speed {
-        Speed::Max => paced(&mut flight, None, &progress, &flying)?,
-        Speed::Times(times) => paced(&mut flight, Some(times), &progress, &flying)?,
-    }
+    paced(&mut flight, &times, &progress, &flying)?;
     let (mut report, trace, mvc) = flight.simulation.finish()?;
     report.wall_seconds = flying.elapsed().as_secs_f64();
     report.load_seconds = load_seconds;
@@ -287,25 +299,44 @@ impl Flight<'_> {
     }
 }
 
-/// Runs to the end, no faster than a multiple of real time if there is one.
-fn paced(flight: &mut Flight<'_>, times: Option<f64>, progress: &ProgressBar, clock: &Clock) -> Result<()> {
-    let show_every = Duration::from_secs_f64(times.unwrap_or(60.0).min(60.0));
+/// How often a simulation that waits looks whether it shall go on.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Runs to the end, no faster than the multiple of real time that `pace` says each time: 0 stands, and infinity is as fast as
+/// can be.
+fn paced(flight: &mut Flight<'_>, pace: &dyn Fn() -> f64, progress: &ProgressBar, clock: &Clock) -> Result<()> {
     let mut next_show = Timestamp::ZERO;
-    while flight.advance()? {
-        let simulation = &flight.simulation;
-        if let Some(times) = times {
-            let due = Duration::from_secs_f64(simulation.now().as_secs_f64() / times);
-            let ahead = due.saturating_sub(clock.elapsed());
-            if ahead > Duration::from_millis(5) {
-                pause(ahead);
-            }
+    // The pace, and the times of both clocks since which it has been kept.
+    let (mut times, mut since, mut began) = (pace(), Duration::ZERO, Timestamp::ZERO);
+    loop {
+        if times > 0.0 && !flight.advance()? {
+            return Ok(());
         }
-        if simulation.now() >= next_show {
-            next_show = simulation.now() + show_every;
-            show(progress, simulation, clock);
+        let now = flight.simulation.now();
+        // Waits for its time, unless the pace changes meanwhile.
+        loop {
+            let wished = pace();
+            if wished != times {
+                (times, since, began) = (wished, clock.elapsed(), now);
+            }
+            let ahead = if times > 0.0 {
+                // A pace so slow that the time is out of range stands still.
+                let due = Duration::try_from_secs_f64(now.since(began).as_secs_f64() / times);
+                due.map_or(LOOK_EVERY, |due| (since + due).saturating_sub(clock.elapsed()))
+            } else {
+                LOOK_EVERY
+            };
+            if ahead <= Duration::from_millis(5) {
+                break;
+            }
+            pause(ahead.min(LOOK_EVERY));
+        }
+        if now >= next_show {
+            let every = times.clamp(1.0, 60.0);
+            next_show = now + Duration::from_secs_f64(every);
+            show(progress, &flight.simulation, clock);
         }
     }
-    Ok(())
 }
 
 pub(crate) fn progress_bar(quiet: bool) -> ProgressBar {

@@ -4,6 +4,12 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 
 use backseat_units::Timestamp;
 
+/// How the inputs of core begin of which the console makes something.
+const RETURNED: &[u8] = br#"{"input":"returned""#;
+const LINK: &[u8] = br#"{"input":"link"#;
+pub(crate) const PING: &[u8] = br#"{"input":"sonar","report":"ping""#;
+pub(crate) const SONAR_EVENT: &[u8] = br#"{"input":"sonar","report":"event""#;
+
 /// Messages that may wait for the console: some seconds of a busy run.
 const WAITING_MAX: usize = 8192;
 
@@ -84,7 +90,9 @@ pub fn wants(topic: &str, data: &[u8]) -> bool {
     match topic {
         "/link/from_vehicle" | "/link/to_vehicle" | "/notes" | "/requests" | "/control" | "/navigation" | "/truth"
         | "/log" | "/map/plan" | "/map/reach" | "/map/inserts" | "/map/requests" => true,
-        "/core/input" => data.starts_with(br#"{"input":"returned""#) || data.starts_with(br#"{"input":"link"#),
+        "/core/input" => [RETURNED, LINK, PING, SONAR_EVENT]
+            .iter()
+            .any(|begins| data.starts_with(begins)),
         other => other.starts_with("/measures/") || other.starts_with("/sensors/"),
     }
 }

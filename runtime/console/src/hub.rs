@@ -10,6 +10,7 @@ use crate::feed::{Feed, Heard};
 use crate::history::{History, Limits, Numbered};
 use crate::item::Item;
 use crate::metrics::Metrics;
+use crate::pace::Pace;
 use crate::teller::Teller;
 
 /// What the browsers are shown: what happened, numbered and within bounds.
@@ -123,23 +124,33 @@ impl Hub {
 
     /// Adds a line of somebody outside the run, now.
     pub(crate) fn say(&self, level: &'static str, who: &str, text: &str) {
-        let newest = *self.0.newest.lock().unwrap_or_else(PoisonError::into_inner);
-        let item = Item::Line {
+        self.happened(&Item::Line {
             level,
             who: who.to_owned(),
             text: text.to_owned(),
-        };
-        self.add(newest.map_or(0.0, |(t, _)| t), &item, true);
+        });
     }
 
-    /// What is shown, as JSON, with the run's time if it goes on.
-    pub(crate) fn about(&self) -> String {
+    /// Adds what happened outside the run, now.
+    pub(crate) fn happened(&self, item: &Item) {
+        let newest = *self.0.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        self.add(newest.map_or(0.0, |(t, _)| t), item, true);
+    }
+
+    /// What is shown, as JSON, with the run's time if it goes on, and the pace of a simulation.
+    pub(crate) fn about(&self, pace: Option<&Pace>) -> String {
+        #[derive(Serialize)]
+        struct Times {
+            times: f64,
+        }
         #[derive(Serialize)]
         struct Now<'a> {
             #[serde(flatten)]
             about: &'a About,
             #[serde(skip_serializing_if = "Option::is_none")]
             now: Option<f64>,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            pace: Option<Times>,
         }
         let about = &self.0.about;
         let newest = *self.0.newest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -147,7 +158,8 @@ impl Hub {
         let now = newest
             .filter(|_| about.kind == Kind::Live)
             .map(|(t, came)| t + now().duration_since(came).as_secs_f64());
-        serde_json::to_string(&Now { about, now }).unwrap_or_default()
+        let pace = pace.map(|pace| Times { times: pace.told() });
+        serde_json::to_string(&Now { about, now, pace }).unwrap_or_default()
     }
 
     pub(crate) fn metrics(&self) -> String {

@@ -3,6 +3,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::Value;
 
+/// Values of each side of a [`Item::Ping`].
+pub(crate) const PING_BINS: usize = 128;
+/// A pace of this or more is as fast as can be.
+pub(crate) const PACE_MAX: f64 = 10_000.0;
+
 /// Something that happened, in the words of the page. Times are seconds since the start of the run; positions are WGS 84
 /// degrees; lengths metres, speeds m/s, angles degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -182,6 +187,52 @@ pub enum Item {
     Sonar {
         /// In words.
         text: String,
+    },
+    /// A ping of the sidescan, as the first plugin that listens to it gets it.
+    Ping {
+        /// The sensor's index in the payload controller.
+        sensor: i64,
+        /// To port, from the vehicle outwards: 128 bytes as hexadecimal digits, each in half decibels over one step
+        /// of the converter. Absent without this side.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        port: Option<String>,
+        /// To starboard.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        starboard: Option<String>,
+        /// Slant range of the last sample.
+        range_m: f64,
+    },
+    /// How wide a strip of the seabed a ping showed, and where the vehicle was.
+    Swath {
+        /// Latitude.
+        lat: f64,
+        /// Longitude.
+        lon: f64,
+        /// Heading, from north.
+        heading_deg: f64,
+        /// Over the ground to port.
+        port_m: f64,
+        /// Over the ground to starboard.
+        starboard_m: f64,
+    },
+    /// A place that a plugin tells of in a line of its log: `contact NAME ... at LATITUDE LONGITUDE ...`. A later one of the
+    /// same name replaces it.
+    Contact {
+        /// The plugin.
+        plugin: String,
+        /// The plugin's name for it.
+        name: String,
+        /// Latitude.
+        lat: f64,
+        /// Longitude.
+        lon: f64,
+        /// The line.
+        text: String,
+    },
+    /// How fast a simulation goes.
+    Pace {
+        /// Times real time; 0 stands, and 10,000 is as fast as can be.
+        times: f64,
     },
     /// What only a simulation knows.
     Truth {

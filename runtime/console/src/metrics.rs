@@ -202,6 +202,10 @@ impl Metrics {
             | Item::Reach { .. }
             | Item::Operator { .. }
             | Item::Sonar { .. }
+            | Item::Ping { .. }
+            | Item::Swath { .. }
+            | Item::Contact { .. }
+            | Item::Pace { .. }
             | Item::Truth { .. }
             | Item::End { .. } => {}
         }

@@ -26,6 +26,7 @@ use tracing::warn;
 
 use crate::hub::Hub;
 use crate::operator::{Asked, Desk};
+use crate::pace::Pace;
 use crate::token::Token;
 
 /// Connections at once. A browser opens about six.
@@ -106,12 +107,15 @@ pub struct Service {
     pub token: Option<Token>,
     /// Whether items follow: a log that was read has none.
     pub live: bool,
+    /// How fast a simulation goes. Anybody who sees the page can change it; it is no matter of safety.
+    pub pace: Option<Pace>,
 }
 
 pub(crate) struct Shared {
     pub(crate) hub: Hub,
     pub(crate) token: Option<Token>,
     pub(crate) live: bool,
+    pub(crate) pace: Option<Pace>,
     pub(crate) desk: Desk,
     /// Wrong tokens so far.
     pub(crate) wrong: AtomicU32,
@@ -128,6 +132,7 @@ pub fn serve(listener: Listener, service: Service) -> Result<tokio::sync::mpsc::
         hub: service.hub,
         token: service.token,
         live: service.live,
+        pace: service.pace,
         desk,
         wrong: AtomicU32::new(0),
     });
@@ -152,6 +157,7 @@ fn router(shared: Arc<Shared>) -> Router {
         .route("/api/history", get(api::history))
         .route("/api/feed", any(socket::feed))
         .route("/api/operator", post(api::operator))
+        .route("/api/pace", post(api::pace))
         .route("/metrics", get(api::metrics))
         .fallback(get(assets::file))
         .layer(DefaultBodyLimit::max(BODY_MAX))

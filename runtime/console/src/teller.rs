@@ -2,6 +2,7 @@
 
 mod link;
 mod requests;
+mod sonar;
 mod thin;
 
 use std::borrow::Cow;
@@ -11,9 +12,11 @@ use backseat_units::Timestamp;
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::feed::{PING, SONAR_EVENT};
 use crate::item::Item;
 use link::Link;
 use requests::Requests;
+use sonar::Sonar;
 use thin::Thin;
 
 /// Navigation in the history comes this often, seconds; so do measures. The rest of it reaches only who listens.
@@ -33,6 +36,7 @@ pub struct Teller {
     link: Link,
     requests: Requests,
     thin: Thin,
+    sonar: Sonar,
     newest_s: f64,
     /// Whether there is control, if that was said.
     controlled: Option<bool>,
@@ -71,6 +75,7 @@ impl Teller {
             link: Link::new(),
             requests: Requests::default(),
             thin: Thin::default(),
+            sonar: Sonar::default(),
             newest_s: 0.0,
             controlled: None,
             asked: None,
@@ -112,6 +117,8 @@ impl Teller {
                     }
                 }
             }
+            "/core/input" if data.starts_with(PING) => self.sonar.ping(t, data, &mut tell),
+            "/core/input" if data.starts_with(SONAR_EVENT) => self.sonar.event(t, data, &mut tell),
             "/core/input" => self.input(t, data, &mut tell),
             "/navigation" => self.navigation(t, data, &mut tell),
             _ => {
@@ -164,6 +171,12 @@ impl Teller {
                 let text = words(&value["message"]).unwrap_or_default();
                 if who == "operator" {
                     self.asked = text.split_once(" at the console: ").map(|(who, _)| who.to_owned());
+                }
+                if let Some(contact) = who
+                    .strip_prefix("plugin ")
+                    .and_then(|plugin| sonar::contact(plugin, &text))
+                {
+                    tell(t, contact, true);
                 }
                 tell(t, Item::Line { level, who, text }, true);
             }
@@ -234,6 +247,8 @@ impl Teller {
             return;
         };
         self.link.navigated(row.time_s);
+        self.sonar
+            .navigated(t, [row.latitude_deg, row.longitude_deg, row.heading_deg]);
         let round = |value: f64, digits: usize| {
             let scale = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7][digits];
             (value * scale).round() / scale

@@ -109,6 +109,33 @@ pub enum HostError {
     },
 }
 
+impl HostError {
+    /// The reason without the plugin's name, for messages that name it already.
+    #[must_use]
+    pub fn reason(&self) -> String {
+        let text = self.to_string();
+        let plugin = match self {
+            Self::Engine(_) => return text,
+            Self::Empty { plugin }
+            | Self::NotWasm { plugin }
+            | Self::CoreModule { plugin }
+            | Self::TooLarge { plugin, .. }
+            | Self::TooSlow { plugin, .. }
+            | Self::Invalid { plugin, .. }
+            | Self::Import { plugin, .. }
+            | Self::Exports { plugin, .. }
+            | Self::Interface { plugin, .. }
+            | Self::Description { plugin, .. }
+            | Self::Grants { plugin, .. }
+            | Self::Start { plugin, .. } => plugin,
+        };
+        let without = text
+            .strip_prefix(plugin.as_str())
+            .and_then(|rest| rest.strip_prefix(": "));
+        without.unwrap_or(&text).to_owned()
+    }
+}
+
 /// The grants as a text.
 fn grants(grants: &[Grant]) -> String {
     let names: Vec<&str> = grants.iter().map(|grant| grant.name()).collect();

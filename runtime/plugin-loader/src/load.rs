@@ -23,7 +23,7 @@ pub enum LoadError {
         source: std::io::Error,
     },
     /// The host refuses it.
-    #[error("plugin `{plugin}` ({}): {source}", path.display())]
+    #[error("plugin `{plugin}` ({}): {}", path.display(), source.reason())]
     Host {
         /// The plugin's name in the mission.
         plugin: String,

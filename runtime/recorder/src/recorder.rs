@@ -1,5 +1,5 @@
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
@@ -63,6 +63,8 @@ pub struct Recorder<W: Write + Seek> {
     newest: Timestamp,
     /// The topics by MCAP identifier.
     topics: BTreeMap<u16, String>,
+    /// The versions that this file has, by SHA-256.
+    versions: BTreeSet<String>,
     listener: Option<Listener>,
 }
 
@@ -123,6 +125,7 @@ impl<W: Write + Seek> Recorder<W> {
             preamble,
             newest: Timestamp::ZERO,
             topics: BTreeMap::new(),
+            versions: BTreeSet::new(),
             listener: None,
         })
     }
@@ -147,6 +150,7 @@ impl<W: Write + Seek> Recorder<W> {
         self.ids = ids;
         self.derived_ids = [None; Topic::COUNT];
         self.measures.forget_channels();
+        self.versions.clear();
         let mut ended = std::mem::replace(&mut self.writer, writer);
         let ended_log = std::mem::replace(&mut self.log, log);
         // A viewer of this part alone sees the fence.
@@ -168,14 +172,14 @@ impl<W: Write + Seek> Recorder<W> {
         self.put_derived(now)
     }
 
-    /// Attaches the component of a version that is about to take a plugin's place, unless it is larger than
-    /// [`crate::COMPONENT_LIMIT`]. A reader finds it before the input that says so.
+    /// Attaches the component of a version that is about to take a plugin's place, unless this file has it or it is larger
+    /// than [`crate::COMPONENT_LIMIT`]. A reader finds it before the input that says so.
     ///
     /// # Errors
     ///
     /// [`RecorderError::Write`].
     pub fn version(&mut self, now: Timestamp, sha256: &str, component: &[u8]) -> Result<(), RecorderError> {
-        if component.len() > COMPONENT_LIMIT {
+        if component.len() > COMPONENT_LIMIT || !self.versions.insert(sha256.to_owned()) {
             return Ok(());
         }
         let time = self.moment(now).utc_ns;

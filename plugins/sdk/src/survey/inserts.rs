@@ -431,9 +431,11 @@ impl InsertQueue {
                 if first || others <= 1 {
                     task.refusals += 1;
                 }
-                // A smaller leg is tried now and then anyway, because the fence that a plugin can ask does not know the
-                // vehicle's plan.
-                let stuck = others <= 1 && task.refusals.is_multiple_of((settings.refusals_max / 5).max(1));
+                // A smaller leg is tried now and then anyway, because the fence that a plugin can ask does not know the way
+                // there from the vehicle's plan and back.
+                let stuck = is_geometry(why.rule)
+                    && others <= 1
+                    && task.refusals.is_multiple_of((settings.refusals_max / 5).max(1));
                 if misfits() || stuck {
                     task.shrink(settings, &why.text, now_ns)
                 } else if task.refusals < settings.refusals_max {
@@ -607,19 +609,22 @@ impl Task {
 
 /// Whether the fence refuses a request for its geometry, and not because nothing is known about where the vehicle is.
 fn refused_by_fence(request: &Request) -> bool {
-    fence::check(request).is_err_and(|refusal| {
-        matches!(
-            refusal.rule,
-            Rule::KeepIn
-                | Rule::KeepOut
-                | Rule::Depth
-                | Rule::Altitude
-                | Rule::Surfacing
-                | Rule::Time
-                | Rule::Station
-                | Rule::Limit
-        )
-    })
+    fence::check(request).is_err_and(|refusal| is_geometry(refusal.rule))
+}
+
+/// Whether a smaller leg may pass this rule.
+const fn is_geometry(rule: Rule) -> bool {
+    matches!(
+        rule,
+        Rule::KeepIn
+            | Rule::KeepOut
+            | Rule::Depth
+            | Rule::Altitude
+            | Rule::Surfacing
+            | Rule::Time
+            | Rule::Station
+            | Rule::Limit
+    )
 }
 
 #[cfg(test)]

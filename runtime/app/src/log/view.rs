@@ -75,6 +75,7 @@ pub(super) fn view(arguments: &LogView) -> Result<bool> {
         hub,
         token: None,
         live: false,
+        pace: None,
     };
     // Nobody can ask for anything, and the thread serves until the process ends.
     let _asked = serve(listener, service)?;

@@ -77,7 +77,7 @@ fn line(folder: &Path, report: &Report) -> String {
         ..
     } = report;
     let mut text = format!(
-        "{}, seed {seed}: {outcome} after {:.1} min; {requests}",
+        "{}, seed {seed}: {outcome} after {:.1} min; requests: {requests}",
         folder.display(),
         report.sim_seconds / 60.0
     );

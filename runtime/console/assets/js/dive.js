@@ -34,6 +34,11 @@ export class Dive {
     this.navigation = new Columns(NAVIGATION, 0.95);
     this.beat = new Columns(BEAT, 0.4);
     this.reach = new Columns(["lat", "lon", "ahead_lat", "ahead_lon", "radius_m"], 0.9);
+    this.swaths = new Columns(["lat", "lon", "heading_deg", "port_m", "starboard_m"], 0.9);
+    /** @type {Series<import("./waterfall.js").Ping>} */
+    this.pings = new Series(60000);
+    /** @type {Map<string, Series<any>>} */
+    this.contacts = new Map();
     this.truth = new Columns(["lat", "lon", "depth_m", "water_depth_m"], 0.95);
     /** @type {Record<string, Series<any>>} values that hold until the next */
     this.held = {};

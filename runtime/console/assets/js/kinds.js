@@ -2,6 +2,10 @@
 import { Columns, Series } from "./series.js";
 import { LEVELS } from "./events.js";
 import { arr, fin, obj, pick, str } from "./read.js";
+import { bytes } from "./waterfall.js";
+
+/** Contacts that are shown at most. */
+const MAX_CONTACTS = 500;
 
 /** @typedef {import("./dive.js").Dive} Dive */
 
@@ -121,11 +125,33 @@ function sensor(dive, item) {
 
 /** @param {Dive} dive @param {any} item */
 function sonar(dive, item) {
-  const name = str(item.name, 80);
+  const name = str(item.name, 80) || "controller";
   const ok = item.ok !== false;
   const text = str(item.text, 300);
   dive.named(dive.sonars, name, () => new Series())?.push(item.t, { t: item.t, ok, text });
   event(dive, item, "sonar", ok ? "info" : "warn", "sonar " + name, text);
+}
+
+/** @param {Dive} dive @param {any} item */
+function ping(dive, item) {
+  const port = bytes(item.port);
+  const starboard = bytes(item.starboard);
+  if (port || starboard) dive.pings.push(item.t, { t: item.t, port, starboard, range: fin(item.range_m) ?? 0 });
+}
+
+/** @param {Dive} dive @param {any} item */
+function contact(dive, item) {
+  const lat = fin(item.lat);
+  const lon = fin(item.lon);
+  const name = str(item.name, 40);
+  if (lat === undefined || lon === undefined || Math.abs(lat) > 90 || Math.abs(lon) > 540) return;
+  const plugin = str(item.plugin, 80);
+  const text = str(item.text, 300);
+  const word = ["confirmed", "rejected"].find((each) => text.includes(each)) ?? "";
+  const key = plugin + "\n" + name;
+  // A plugin can tell of many.
+  if (!dive.contacts.has(key) && dive.contacts.size < MAX_CONTACTS) dive.contacts.set(key, new Series(1000));
+  dive.contacts.get(key)?.push(item.t, { t: item.t, plugin, name, lat, lon, text, word });
 }
 
 /** @param {Dive} dive @param {any} item */
@@ -151,11 +177,13 @@ function operator(dive, item) {
 
 /** @type {Map<string, (dive: Dive, item: any) => void>} */
 export const takers = new Map(Object.entries({
-  navigation, control, steering, request, plugin, line, measure, sensor, sonar, map, operator,
+  navigation, control, steering, request, plugin, line, measure, sensor, sonar, ping, contact, map, operator,
   /** @type {(dive: Dive, item: any) => void} */
   beat: (dive, item) => dive.beat.push(item.t, item),
   /** @type {(dive: Dive, item: any) => void} */
   reach: (dive, item) => dive.reach.push(item.t, item),
+  /** @type {(dive: Dive, item: any) => void} */
+  swath: (dive, item) => dive.swaths.push(item.t, item),
   /** @type {(dive: Dive, item: any) => void} */
   truth: (dive, item) => dive.truth.push(item.t, item),
   /** @type {(dive: Dive, item: any) => void} */

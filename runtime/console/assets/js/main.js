@@ -19,6 +19,7 @@ import { Strip } from "./strip.js";
 import { goTo, startTabs } from "./tabs.js";
 import { startTheme, toggleTheme } from "./theme.js";
 import { Vehicle } from "./vehicle.js";
+import { Waterfall } from "./waterfall.js";
 
 /**
  * What views draw.
@@ -50,6 +51,7 @@ class Page {
     this.vehicle = new Vehicle();
     this.profile = new Profile(seek);
     this.measures = new Measures(seek);
+    this.waterfall = new Waterfall(seek);
     this.plugins = new Plugins();
     this.scrubber = new Scrubber(seek, current);
     this.list = new EventList(seek);
@@ -109,7 +111,7 @@ class Page {
     this.drawnAt = now;
     const shown = this.shown();
     this.seeked = false;
-    for (const view of [this.banners, this.strip, this.countdown, this.vehicle, this.map, this.profile, this.measures, this.plugins, this.scrubber, this.list]) {
+    for (const view of [this.banners, this.strip, this.countdown, this.vehicle, this.map, this.profile, this.waterfall, this.measures, this.plugins, this.scrubber, this.list]) {
       this.drawOne(view, shown);
     }
     this.player.draw();

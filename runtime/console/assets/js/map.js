@@ -7,6 +7,7 @@ import { Track } from "./map_track.js";
 import { FenceLayer } from "./map_fence.js";
 import { FeatureLayer } from "./map_layers.js";
 import { Reach } from "./map_reach.js";
+import { SonarLayer } from "./map_sonar.js";
 import { onTheme, tint, tintName } from "./theme.js";
 
 /** @typedef {import("./main.js").Shown} Shown */
@@ -48,6 +49,7 @@ export class MapView {
     L.control.zoom({ position: "bottomleft" }).addTo(this.map);
     this.grid = new Grid(this.map);
     this.fence = new FenceLayer(this.map, renderer, tell);
+    this.sonar = new SonarLayer(this.map, renderer, tell);
     this.plan = new FeatureLayer(this.map, renderer, "plan", tell);
     this.reach = new Reach(this.map, renderer, tell);
     this.track = new Track(this.map, renderer, (e, t, key) => this.tellTrack(e, t, key));
@@ -80,6 +82,7 @@ export class MapView {
     this.track.restyle(this.current().dive.keys);
     for (const layer of [this.plan, this.inserts, this.requests]) layer.build();
     this.reach.restyle();
+    this.sonar.restyle();
     this.legendKeys = "";
     this.truth.setStyle({ color: tint("bad") });
   }
@@ -97,7 +100,8 @@ export class MapView {
     }
     this.fence.at(beganMs(about.began_ns) + state.t * 1000);
     this.drawVehicle(state);
-    this.legend(dive, this.inserts.states);
+    const seen = this.sonar.draw(dive, state.t);
+    this.legend(dive, this.inserts.states, seen);
     this.firstFit(dive);
   }
 
@@ -121,9 +125,9 @@ export class MapView {
     if (at.distanceTo(this.map.getSize().divideBy(2)) > 24) this.map.panTo([nav.lat, nav.lon], { animate: false });
   }
 
-  /** @param {import("./dive.js").Dive} dive @param {Set<string>} inserts */
-  legend(dive, inserts) {
-    const keys = dive.keys.join("\n") + [...inserts].join();
+  /** @param {import("./dive.js").Dive} dive @param {Set<string>} inserts @param {boolean} seen whether a sidescan has seen something */
+  legend(dive, inserts, seen) {
+    const keys = dive.keys.join("\n") + [...inserts].join() + seen;
     if (keys === this.legendKeys) return;
     this.legendKeys = keys;
     const entry = (/** @type {string} */ word, /** @type {string} */ name) => {
@@ -135,6 +139,11 @@ export class MapView {
     track.append(make("b", "", "Track "), ...dive.keys.slice(0, 12).map((key) => (
       entry(key === "plan" ? "front seat's plan" : key.replace(/^plugin:/, ""), tintName(key)))));
     byId("legend").replaceChildren(track);
+    if (seen) {
+      const sonar = make("div");
+      sonar.append(make("b", "", "Sonar "), entry("seen by the sidescan", "seen"));
+      byId("legend").append(sonar);
+    }
     if (!inserts.size) return;
     const states = make("div");
     states.append(make("b", "", "Inserts "), ...INSERTS.filter(([, name]) => inserts.has(name)).map(([word, name]) => entry(word, name)));

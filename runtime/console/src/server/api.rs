@@ -17,6 +17,7 @@ use tokio::time::sleep;
 use tracing::warn;
 
 use super::Shared;
+use crate::item::Item;
 use crate::operator::{Act, Asked};
 
 /// After a wrong token the answer waits for this. The right one never waits: there are too many to guess it.
@@ -29,7 +30,11 @@ const PIECE: usize = 512;
 const NAME_MAX: usize = 64;
 
 pub(super) async fn about(State(shared): State<Arc<Shared>>) -> Response {
-    ([(CONTENT_TYPE, "application/json")], shared.hub.about()).into_response()
+    (
+        [(CONTENT_TYPE, "application/json")],
+        shared.hub.about(shared.pace.as_ref()),
+    )
+        .into_response()
 }
 
 /// Figures for Prometheus.
@@ -111,6 +116,28 @@ pub(super) async fn operator(
     } else {
         refused(StatusCode::CONFLICT, "the run has ended")
     }
+}
+
+/// How fast a simulation shall go.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Times {
+    times: f64,
+}
+
+pub(super) async fn pace(State(shared): State<Arc<Shared>>, wish: Result<Json<Times>, JsonRejection>) -> Response {
+    let Some(pace) = &shared.pace else {
+        return refused(StatusCode::CONFLICT, "only a simulation has a pace");
+    };
+    let Json(Times { times }) = match wish {
+        Ok(wish) => wish,
+        Err(error) => return refused(StatusCode::BAD_REQUEST, &error.body_text()),
+    };
+    if !pace.set(times) {
+        return refused(StatusCode::BAD_REQUEST, "times: expected 0 or more");
+    }
+    shared.hub.happened(&Item::Pace { times: pace.told() });
+    (StatusCode::ACCEPTED, Json(json!({}))).into_response()
 }
 
 fn refused(status: StatusCode, error: &str) -> Response {

@@ -10,6 +10,11 @@ pub(super) struct Thin {
 }
 
 impl Thin {
+    /// Whether [`Thin::takes`] would let an item of this topic through.
+    pub(super) fn is_due(&self, topic: &str, t: f64) -> bool {
+        self.due.get(topic).is_none_or(|due| t >= *due)
+    }
+
     /// Whether an item of this topic is due at `t` seconds.
     pub(super) fn takes(&mut self, topic: &str, t: f64, every_s: f64) -> bool {
         // Whole periods, so that a rate near the period is not halved by its jitter.

@@ -10,7 +10,7 @@ use std::net::{SocketAddr, TcpStream};
 use std::time::{Duration, Instant};
 
 use backseat_console::{
-    About, Act, Asked, Feed, Hub, Item, Kind, Limits, Listener, Origin, Service, Teller, Token, serve,
+    About, Act, Asked, Feed, Hub, Item, Kind, Limits, Listener, Origin, Pace, Service, Teller, Token, serve,
 };
 use backseat_units::Timestamp;
 use serde_json::Value;
@@ -51,6 +51,7 @@ fn console() -> Console {
         hub: hub.clone(),
         token: Some(token),
         live: true,
+        pace: None,
     };
     Console {
         address,
@@ -308,6 +309,7 @@ fn a_log_that_was_read_has_no_feed_and_nothing_to_hold() {
         hub: hub.clone(),
         token: None,
         live: false,
+        pace: None,
     };
     let asked = serve(listener, service).unwrap();
     let feed = connect(format!("ws://{address}/api/feed?after=0"));
@@ -335,4 +337,57 @@ fn the_console_is_for_this_computer_alone_and_says_when_its_port_is_taken() {
     let first = Listener::open("127.0.0.1:0".parse().unwrap()).unwrap();
     let error = Listener::open(first.address()).unwrap_err().to_string();
     assert!(error.contains("give another port") && !error.contains('\n'), "{error}");
+}
+
+#[test]
+fn the_pace_of_a_simulation_can_be_set_and_that_of_nothing_else() {
+    let ask = |address: SocketAddr, body: &str| {
+        let mut stream = TcpStream::connect(address).unwrap();
+        let request = format!(
+            "POST /api/pace HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\nContent-Type: application/json\r\n\
+             Content-Length: {}\r\n\r\n{body}",
+            body.len()
+        );
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        status(&answer)
+    };
+    assert_eq!(ask(console().address, "{\"times\": 2}"), 409);
+    let origin = Origin { lat: 42.0, lon: -70.0 };
+    let hub = Hub::new(
+        &About::new(Kind::Simulated, "isobath", 7, origin, "", "{}"),
+        Limits::LIVE,
+    );
+    let listener = Listener::open("127.0.0.1:0".parse().unwrap()).unwrap();
+    let address = listener.address();
+    let pace = Pace::new(Some(20.0));
+    let service = Service {
+        hub,
+        token: None,
+        live: true,
+        pace: Some(pace.clone()),
+    };
+    let _asked = serve(listener, service).unwrap();
+    for wrong in [
+        "{\"times\": -1}",
+        "{\"times\": null}",
+        "{}",
+        "{\"times\": 1, \"more\": 2}",
+        "no JSON",
+    ] {
+        assert!((400..=422).contains(&ask(address, wrong)), "{wrong}");
+    }
+    assert_eq!(pace.times(), 20.0);
+    assert_eq!(ask(address, "{\"times\": 0}"), 202);
+    assert_eq!(pace.times(), 0.0);
+    let mut stream = TcpStream::connect(address).unwrap();
+    write!(
+        stream,
+        "GET /api/about HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"
+    )
+    .unwrap();
+    let mut about = String::new();
+    stream.read_to_string(&mut about).unwrap();
+    assert!(about.contains("\"pace\":{\"times\":0.0}"), "{about}");
 }

@@ -124,7 +124,10 @@ fn what_is_no_plugin_is_refused_by_what_it_is() {
     );
     names(&with(b""), &["pilot", "the file is empty"]);
     let whole = std::fs::read(plugins().join("faulty.wasm")).unwrap();
-    names(&with(&whole[..whole.len() / 2]), &["pilot", "not a valid component"]);
+    names(
+        &with(&whole[..whole.len() / 2]),
+        &["pilot", "my.wasm): not a valid component"],
+    );
     let wasi = wat::parse_str(r#"(component (import "wasi:cli/environment@0.2.0" (instance)))"#).unwrap();
     names(&with(&wasi), &["pilot", "imports wasi:cli/environment@0.2.0"]);
 }

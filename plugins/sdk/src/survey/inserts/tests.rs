@@ -248,3 +248,23 @@ fn progress_counts_on_the_line_and_in_its_direction() {
     assert_eq!(hear(&mut queue, 1, &done(), 200), Turn::Flown);
     assert!(queue.is_done() && queue.last_flown());
 }
+
+#[test]
+fn a_plan_that_stays_unknown_makes_no_leg_smaller() {
+    let mut queue = queue(1);
+    let length_m = queue.tasks[0].leg.length_m();
+    let hear_again = |queue: &mut InsertQueue, rule: Rule| {
+        let refused = State::Rejected(Refusal::new(rule, "refused"));
+        (0..13_u64).for_each(|round| {
+            let now_s = 5 * round + 100 * u64::from(rule != Rule::Plan);
+            if let Some((_, tag)) = queue.ask(now_s * SECOND_NS) {
+                hear(queue, tag, &refused, now_s);
+            }
+        });
+    };
+    hear_again(&mut queue, Rule::Plan);
+    assert_eq!(queue.tasks[0].leg.length_m(), length_m);
+    // The way to the leg leaves the fence, which a plugin cannot ask: a smaller one is tried.
+    hear_again(&mut queue, Rule::KeepIn);
+    assert!(queue.tasks[0].leg.length_m() < length_m);
+}

@@ -84,7 +84,7 @@ export class SonarLayer {
     for (const contact of now) {
       const color = tint(contact.word === "confirmed" ? "flown" : contact.word === "rejected" ? "over" : "unsure");
       const marker = L.circleMarker([contact.lat, contact.lon], { renderer: this.renderer, radius: 9, weight: 3, color, fill: true, fillOpacity: 0.15, bubblingMouseEvents: false });
-      marker.bindTooltip(cut(contact.name, 12), { permanent: true, direction: "right", offset: [8, 0], className: "zone" });
+      marker.bindTooltip(cut(contact.name, 12), { permanent: true, direction: "right", offset: [8, 0], className: "contact" });
       marker.on("click", (/** @type {any} */ e) => this.tell(e.latlng, "contact " + contact.name, [["by", "plugin " + contact.plugin], ["says", contact.text]], contact.t));
       this.contacts.addLayer(marker);
     }

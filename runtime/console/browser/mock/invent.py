@@ -96,6 +96,10 @@ SCRIPT = [
     (1201.1, inserts("ended", "accepted", "failed", "timed-out", "unknown", "cancelled")),
     (1300, request(9, "surface", "rejected", 9, reason="the grant 'surface' is not given to hotspot")),
     (1500, plugin("failed", 3, "trap: unreachable in step 220")), (1500.2, plugin("quarantined", 3, "failed 3 times; it is not started again")),
+    (350, {"kind": "contact", "plugin": PLUGIN, "name": "1", "lat": 42.3515, "lon": -70.7120, "text": "contact 1: 1.2 m high at 42.3515 -70.7120"}),
+    (700.5, {"kind": "contact", "plugin": PLUGIN, "name": "1", "lat": 42.3516, "lon": -70.7121, "text": "contact 1 confirmed at 42.3516 -70.7121 by 8 of 8 aspects"}),
+    (720, {"kind": "contact", "plugin": PLUGIN, "name": "2", "lat": 42.3470, "lon": -70.7010, "text": "contact 2: 0.7 m high at 42.3470 -70.7010"}),
+    (721, {"kind": "contact", "plugin": PLUGIN, "name": "3", "lat": 142.0, "lon": -70.7010, "text": "contact 3 of nowhere"}),
     (60, {"kind": "future-kind", "anything": [1, 2]}),
 ]
 SILENT = [(300, 420), (760, 790)]  # isobath does not steer then
@@ -113,6 +117,18 @@ def mend(item):
     if kind == "beat" and silent(t - 0.5):
         return {k: v for k, v in item.items() if k != "refreshed"}
     return item
+
+
+def side(t, sign):
+    """A side of a ping: a seabed with ripples that fades, dark water before it, and a bright target now and then."""
+    water = 22 + 4 * math.sin(t / 60)
+    values = []
+    for k in range(128):
+        value = 8 if k < water else 150 - 0.6 * k + 14 * math.sin(k / 4 + t / 9 * sign)
+        if int(t) % 97 < 4 and 60 <= k < 64:
+            value += 60
+        values.append(max(0, min(255, round(value))))
+    return bytes(values).hex()
 
 
 def each_second(items, simulated):
@@ -133,6 +149,11 @@ def each_second(items, simulated):
             yield {"t": t, "kind": "truth", "lat": round(item["lat"] + 0.00003 * min(1, t / 900), 7),
                    "lon": round(item["lon"] + 0.00004 * min(1, t / 900), 7), "depth_m": z,
                    "water_depth_m": round(z + item.get("altitude_m", 0) + 0.2, 2)}
+        if 100 < t < 1600:
+            yield {"t": t, "kind": "ping", "sensor": 0, "port": side(t, -1), "starboard": side(t, 1), "range_m": 60.0}
+            if int(t) % 2 == 0:
+                yield {"t": t, "kind": "swath", "lat": item["lat"], "lon": item["lon"], "heading_deg": item["heading_deg"],
+                       "port_m": 52.5, "starboard_m": 50.0}
         if int(t) % 5 == 0 and t < 1500:
             yield {"t": t, "kind": "headroom", "plugin": PLUGIN, "fuel": 0.62 if t < 640 else 1.0, "steps": int(t * 2)}
 

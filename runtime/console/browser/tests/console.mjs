@@ -70,6 +70,39 @@ await t("recorded: countdown, vehicle, profile, measures, sensors", withPage(rec
   await seek(page, 350);
   await expectText(page, "dog-text", /no lease/);
 }));
+await t("recorded: the sidescan's waterfall, what it has seen, and contacts", withPage(recorded, {}, async (page) => {
+  await seek(page, 60);
+  await page.waitForTimeout(1200);
+  await expectText(page, "waterfall-range", /no ping/);
+  await seek(page, 560);
+  await page.waitForTimeout(1200);
+  await expectText(page, "waterfall-range", /60 m to each side, 0:03:1\d to 0:09:(19|20)/);
+  await expectText(page, "legend", /seen by the sidescan/);
+  // Water is dark, the seabed is not, and ripples differ from each other.
+  const tones = await page.evaluate(() => {
+    const canvas = document.querySelector("#waterfall-canvas");
+    const { width, height } = canvas;
+    const tone = (share, y) => canvas.getContext("2d").getImageData(Math.floor(share * (width - 1)), Math.floor(y * height), 1, 1).data[0];
+    const seabed = Array.from({ length: 40 }, (_, i) => tone(0.7 + i * 0.007, 0.1));
+    return { low: Math.min(...seabed), high: Math.max(...seabed), drawn: canvas.width > 100 };
+  });
+  check(tones.drawn && tones.high - tones.low > 20, "no picture: " + JSON.stringify(tones));
+  const strips = () => page.evaluate(() => window.page.map.sonar.area.getLatLngs().length);
+  check(await strips() > 100, "strips: " + await strips());
+  const contacts = () => page.evaluate(() => window.page.map.sonar.contacts.getLayers().map((l) => [l.getLatLng().lat, l.getTooltip().getContent(), l.options.color]));
+  const [[lat, name, colour], ...others] = await contacts();
+  check(lat === 42.3515 && name === "1" && others.length === 0, "a contact");
+  await seek(page, 730);
+  await page.waitForTimeout(1200);
+  const later = await contacts();
+  check(later.length === 2 && later[0][0] === 42.3516 && later[0][2] !== colour, "a contact that is confirmed moves and changes: " + JSON.stringify(later));
+  await page.evaluate(() => window.page.map.sonar.contacts.getLayers()[0].fire("click", { latlng: [42.3516, -70.7121] }));
+  check(/contact 1.*plugin hotspot.*confirmed/s.test(await page.locator(".leaflet-popup").textContent()), "a click tells");
+  // A click in the picture goes to that ping.
+  const box = await page.locator("#waterfall-canvas").boundingBox();
+  await page.locator("#waterfall-canvas").click({ position: { x: box.width / 2, y: box.height - 2 } });
+  await expectText(page, "since", /0:06:\d\d/);
+}));
 await t("recorded: plugin cards", withPage(recorded, {}, async (page) => {
   await seek(page, 912);
   const cards = await text(page, "cards");
@@ -273,7 +306,7 @@ await t("live: wrong token, hold, release", withPage(live, {}, async (page) => {
   await expectText(page, "held-text", /by Ada since/);
   check((await page.locator("#banner-held strong").evaluate((n) => parseFloat(getComputedStyle(n).fontSize))) >= 40, "HELD is small");
   await expectText(page, "who", /front seat/);
-  await expectText(page, "control-why", /the operator holds/);
+  await expectText(page, "control-why", /the operator's hold is set/);
   await page.waitForFunction(() => !document.getElementById("operator-dialog").open);
   await operate(page, "not asked again");
   await expectText(page, "operator-answer", /may steer again/);

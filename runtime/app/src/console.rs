@@ -1,9 +1,10 @@
 //! The web console of a run or a flight.
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use backseat_console::{About, Asked, Hub, Kind, Limits, Listener, Origin, Service, Teller, Token, serve};
+use backseat_console::{About, Asked, Hub, Kind, Limits, Listener, Origin, Service, Teller, Tls, Token, serve};
 use backseat_mission::Mission;
 use backseat_units::Utc;
 use backseat_viewer::Feed;
@@ -23,6 +24,13 @@ pub(crate) struct ConsoleArguments {
     /// Serve a web console at this address of this computer [without an address: 127.0.0.1:8480; port 0: a free one]
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = ADDRESS, value_parser = address)]
     console: Option<SocketAddr>,
+    /// Serve the console through TLS with this certificate (PEM); then ADDRESS may be one that other computers reach, such
+    /// as 0.0.0.0:8480, and whoever looks needs the token
+    #[arg(long, value_name = "FILE", requires = "console_key", requires = "console")]
+    console_cert: Option<PathBuf>,
+    /// The private key of that certificate (PEM), which nobody else may read
+    #[arg(long, value_name = "FILE", requires = "console_cert")]
+    console_key: Option<PathBuf>,
     /// Serve the log's channels live to Foxglove and Lichtblick at this address of this computer [without an address:
     /// 127.0.0.1:8765]
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = VIEWERS, value_parser = address)]
@@ -98,9 +106,16 @@ pub(crate) struct Attached {
 impl ConsoleArguments {
     /// Opens the port, so that a wrong one is found before the run begins.
     pub(crate) fn open(&self) -> Result<Console> {
-        let listener = self.console.map(Listener::open).transpose();
+        let listener = match (self.console, &self.console_cert, &self.console_key) {
+            (None, ..) => None,
+            (Some(address), Some(certificate), Some(key)) => {
+                let tls = Tls::read(certificate, key).context("--console-cert and --console-key")?;
+                Some(Listener::open_to_all(address, tls))
+            }
+            (Some(address), ..) => Some(Listener::open(address)),
+        };
         Ok(Console {
-            page: listener.context("--console")?,
+            page: listener.transpose().context("--console")?,
             viewers: self.foxglove,
         })
     }
@@ -126,6 +141,7 @@ impl Console {
                 asked: None,
             });
         };
+        let is_open = listener.url().starts_with("https");
         let about = About {
             armed: Some(armed),
             operator: true,
@@ -135,7 +151,7 @@ impl Console {
         let token = Token::create(&path).with_context(|| path.display().to_string())?;
         let hub = Hub::new(&about, Limits::LIVE);
         let feed = hub.listen(Teller::new(about.budgets()))?;
-        let address = listener.address();
+        let url = listener.url();
         let asked = serve(
             listener,
             Service {
@@ -146,7 +162,12 @@ impl Console {
             },
         )?;
         info!(
-            "console: http://{address}; to hold or release there: the token in {}",
+            "console: {url}; to {} there: the token in {}",
+            if is_open {
+                "look, hold or release"
+            } else {
+                "hold or release"
+            },
             path.display()
         );
         Ok(Attached {

@@ -26,6 +26,6 @@ pub use hub::Hub;
 pub use item::Item;
 pub use operator::{Act, Asked};
 pub use pace::Pace;
-pub use server::{Listener, ServerError, Service, serve};
+pub use server::{Listener, ServerError, Service, Tls, serve};
 pub use teller::Teller;
 pub use token::Token;

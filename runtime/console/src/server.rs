@@ -4,6 +4,7 @@ mod api;
 mod assets;
 mod guard;
 mod socket;
+mod tls;
 
 use std::collections::VecDeque;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -13,13 +14,14 @@ use std::thread;
 use std::time::Duration;
 
 use axum::extract::DefaultBodyLimit;
-use axum::middleware::from_fn;
+use axum::middleware::from_fn_with_state;
 use axum::routing::{any, get, post};
 use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
-use tokio::net::{TcpListener, TcpStream};
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::TcpListener;
 use tokio::task::AbortHandle;
 use tokio::time::timeout;
 use tracing::warn;
@@ -28,6 +30,8 @@ use crate::hub::Hub;
 use crate::operator::{Asked, Desk};
 use crate::pace::Pace;
 use crate::token::Token;
+
+pub use self::tls::Tls;
 
 /// Connections at once. A browser opens about six.
 const CONNECTIONS_MAX: usize = 96;
@@ -47,7 +51,8 @@ const PAUSE: Duration = Duration::from_millis(200);
 pub enum ServerError {
     /// The address is not of this computer alone.
     #[error(
-        "{address}: the console listens on this computer alone: give 127.0.0.1:PORT or [::1]:PORT, and reach it through ssh -L"
+        "{address}: without TLS the console listens on this computer alone: give 127.0.0.1:PORT or [::1]:PORT, and reach it \
+         through ssh -L; or give `run` or `fly` --console-cert and --console-key"
     )]
     NotLoopback {
         /// The address.
@@ -61,6 +66,14 @@ pub enum ServerError {
         /// The reason.
         source: std::io::Error,
     },
+    /// A certificate or its key cannot be used.
+    #[error("{}: {reason}", path.display())]
+    Tls {
+        /// The file.
+        path: std::path::PathBuf,
+        /// The reason.
+        reason: String,
+    },
     /// A thread or a runtime cannot start.
     #[error("the console cannot start: {0}")]
     Start(std::io::Error),
@@ -71,6 +84,7 @@ pub enum ServerError {
 pub struct Listener {
     listener: std::net::TcpListener,
     address: SocketAddr,
+    tls: Option<Tls>,
 }
 
 impl Listener {
@@ -83,10 +97,24 @@ impl Listener {
         if ![IpAddr::V4(Ipv4Addr::LOCALHOST), IpAddr::V6(Ipv6Addr::LOCALHOST)].contains(&address.ip()) {
             return Err(ServerError::NotLoopback { address });
         }
+        Self::bind(address, None)
+    }
+
+    /// Opens a port, which may be one that other computers reach. Everything that is asked there must come through TLS and
+    /// with the token, as the password of HTTP's basic authentication.
+    ///
+    /// # Errors
+    ///
+    /// [`ServerError::Bind`].
+    pub fn open_to_all(address: SocketAddr, tls: Tls) -> Result<Self, ServerError> {
+        Self::bind(address, Some(tls))
+    }
+
+    fn bind(address: SocketAddr, tls: Option<Tls>) -> Result<Self, ServerError> {
         let bound = std::net::TcpListener::bind(address).and_then(|listener| {
             listener.set_nonblocking(true)?;
             let address = listener.local_addr()?;
-            Ok(Self { listener, address })
+            Ok(Self { listener, address, tls })
         });
         bound.map_err(|source| ServerError::Bind { address, source })
     }
@@ -95,6 +123,13 @@ impl Listener {
     #[must_use]
     pub const fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// What a browser opens.
+    #[must_use]
+    pub fn url(&self) -> String {
+        let scheme = if self.tls.is_some() { "https" } else { "http" };
+        format!("{scheme}://{}", self.address)
     }
 }
 
@@ -116,6 +151,8 @@ pub(crate) struct Shared {
     pub(crate) token: Option<Token>,
     pub(crate) live: bool,
     pub(crate) pace: Option<Pace>,
+    /// Whether other computers can reach it.
+    pub(crate) is_open: bool,
     pub(crate) desk: Desk,
     /// Wrong tokens so far.
     pub(crate) wrong: AtomicU32,
@@ -133,6 +170,7 @@ pub fn serve(listener: Listener, service: Service) -> Result<tokio::sync::mpsc::
         token: service.token,
         live: service.live,
         pace: service.pace,
+        is_open: listener.tls.is_some(),
         desk,
         wrong: AtomicU32::new(0),
     });
@@ -140,13 +178,14 @@ pub fn serve(listener: Listener, service: Service) -> Result<tokio::sync::mpsc::
         .enable_all()
         .build()
         .map_err(ServerError::Start)?;
+    let tls = listener.tls;
     let listener = {
         let _within = runtime.enter();
         TcpListener::from_std(listener.listener).map_err(ServerError::Start)?
     };
     thread::Builder::new()
         .name("console".to_owned())
-        .spawn(move || runtime.block_on(accept(listener, router(shared))))
+        .spawn(move || runtime.block_on(accept(listener, tls, router(shared))))
         .map_err(ServerError::Start)?;
     Ok(asked)
 }
@@ -161,11 +200,11 @@ fn router(shared: Arc<Shared>) -> Router {
         .route("/metrics", get(api::metrics))
         .fallback(get(assets::file))
         .layer(DefaultBodyLimit::max(BODY_MAX))
-        .layer(from_fn(guard::guard))
+        .layer(from_fn_with_state(Arc::clone(&shared), guard::guard))
         .with_state(shared)
 }
 
-async fn accept(listener: TcpListener, router: Router) {
+async fn accept(listener: TcpListener, tls: Option<Tls>, router: Router) {
     let mut open: VecDeque<Conversation> = VecDeque::new();
     let mut told = false;
     loop {
@@ -192,7 +231,16 @@ async fn accept(listener: TcpListener, router: Router) {
         }
         let busy = Arc::new(AtomicBool::new(false));
         let router = router.clone().layer(Extension(Busy(Arc::clone(&busy))));
-        let task = tokio::spawn(converse(stream, router)).abort_handle();
+        let task = match tls.clone() {
+            None => tokio::spawn(converse(stream, router)),
+            Some(Tls(acceptor)) => tokio::spawn(async move {
+                // Who does not speak TLS is cut off.
+                if let Ok(Ok(stream)) = timeout(HEAD_WITHIN, acceptor.accept(stream)).await {
+                    converse(stream, router).await;
+                }
+            }),
+        };
+        let task = task.abort_handle();
         open.push_back(Conversation { busy, task });
     }
 }
@@ -208,7 +256,7 @@ struct Conversation {
 #[derive(Clone)]
 struct Busy(Arc<AtomicBool>);
 
-async fn converse(stream: TcpStream, router: Router) {
+async fn converse(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, router: Router) {
     let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_WITHIN)

@@ -21,7 +21,7 @@ use crate::item::Item;
 use crate::operator::{Act, Asked};
 
 /// After a wrong token the answer waits for this. The right one never waits: there are too many to guess it.
-const SLOWED: Duration = Duration::from_secs(1);
+pub(super) const SLOWED: Duration = Duration::from_secs(1);
 /// After so many wrong tokens, people are told.
 const TOLD_EVERY: u32 = 5;
 /// Items in one piece of the history.
@@ -146,7 +146,7 @@ fn refused(status: StatusCode, error: &str) -> Response {
 
 impl Shared {
     /// Says from time to time that somebody gives wrong tokens.
-    fn tried_wrong(&self) {
+    pub(super) fn tried_wrong(&self) {
         let wrong = self.wrong.fetch_add(1, Ordering::Relaxed) + 1;
         if wrong.is_multiple_of(TOLD_EVERY) {
             warn!("console: {wrong} wrong tokens so far");

@@ -1,24 +1,23 @@
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use axum::extract::Request;
-use axum::http::header::{CONTENT_LENGTH, HOST, HeaderName, HeaderValue, ORIGIN};
+use axum::extract::{Request, State};
+use axum::http::header::{AUTHORIZATION, CONTENT_LENGTH, HOST, HeaderName, HeaderValue, ORIGIN, WWW_AUTHENTICATE};
 use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
-use tokio::time::timeout;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use tokio::time::{sleep, timeout};
 
-use super::{BODY_MAX, Busy};
+use super::api::SLOWED;
+use super::{BODY_MAX, Busy, Shared};
 
 /// A request has its answer within this.
 const ANSWER_WITHIN: Duration = Duration::from_secs(5);
 /// What every answer says to the browser. The socket is named, because some browsers do not count it as our own.
-const HEADERS: [(&str, &str); 6] = [
-    (
-        "content-security-policy",
-        "default-src 'self'; img-src 'self' data:; connect-src 'self' ws://127.0.0.1:* ws://localhost:*; \
-         frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
-    ),
+const HEADERS: [(&str, &str); 5] = [
     ("x-content-type-options", "nosniff"),
     ("x-frame-options", "DENY"),
     ("referrer-policy", "no-referrer"),
@@ -26,9 +25,16 @@ const HEADERS: [(&str, &str); 6] = [
     ("cross-origin-resource-policy", "same-origin"),
 ];
 
+/// What a page may load and reach; `{}` are the names of its socket.
+const POLICY: [&str; 2] = [
+    "default-src 'self'; img-src 'self' data:; connect-src 'self' ",
+    "; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
+];
+
 /// Answers only what was asked of this computer's own name, from our own page: another site's page, or a name that was
-/// made to point here, gets nothing.
-pub(super) async fn guard(request: Request, next: Next) -> Response {
+/// made to point here, gets nothing. Where other computers reach the console, any name is one of its own, and whoever asks
+/// needs the token.
+pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
     let whose = request.uri().authority().map(ToString::to_string);
     let busy = request.extensions().get::<Busy>().cloned();
     let is = |answering: bool| {
@@ -37,9 +43,16 @@ pub(super) async fn guard(request: Request, next: Next) -> Response {
         }
     };
     is(true);
+    let socket = socket(request.headers(), shared.is_open);
     let mut response = if is_too_large(request.headers()) {
         (StatusCode::PAYLOAD_TOO_LARGE, "too large\n").into_response()
-    } else if is_ours(request.headers(), whose.as_deref()) {
+    } else if is_ours(request.headers(), whose.as_deref(), shared.is_open) {
+        if shared.is_open
+            && let Err(refusal) = known(&shared, request.headers()).await
+        {
+            is(false);
+            return refusal;
+        }
         // A body that never comes is not waited for.
         let answer = timeout(ANSWER_WITHIN, next.run(request)).await;
         answer.unwrap_or_else(|_| (StatusCode::REQUEST_TIMEOUT, "too slow\n").into_response())
@@ -51,12 +64,67 @@ pub(super) async fn guard(request: Request, next: Next) -> Response {
             .into_response()
     };
     is(false);
+    if let Ok(policy) = HeaderValue::from_str(&[POLICY[0], &socket, POLICY[1]].concat()) {
+        response
+            .headers_mut()
+            .insert(HeaderName::from_static("content-security-policy"), policy);
+    }
     for (name, value) in HEADERS {
         response
             .headers_mut()
             .insert(HeaderName::from_static(name), HeaderValue::from_static(value));
     }
     response
+}
+
+/// Whether whoever asks gives the token, as the password of basic authentication or as a bearer token; if not, the answer.
+async fn known(shared: &Shared, headers: &HeaderMap) -> Result<(), Response> {
+    let given = headers.get(AUTHORIZATION).and_then(|value| value.to_str().ok());
+    let (scheme, secret) = given.and_then(|given| given.split_once(' ')).unwrap_or_default();
+    let basic = scheme.eq_ignore_ascii_case("basic");
+    let password = if basic {
+        STANDARD
+            .decode(secret.trim())
+            .ok()
+            .and_then(|pair| String::from_utf8(pair).ok())
+            .and_then(|pair| pair.split_once(':').map(|(_, password)| password.to_owned()))
+            .unwrap_or_default()
+    } else {
+        secret.to_owned()
+    };
+    if shared.token.as_ref().is_some_and(|token| token.is(&password)) {
+        return Ok(());
+    }
+    // A browser asks first without one.
+    if given.is_some() {
+        shared.tried_wrong();
+        sleep(SLOWED).await;
+    }
+    let mut refusal = (
+        StatusCode::UNAUTHORIZED,
+        "{\"error\":\"wrong token: the file console.token of the state folder has it\"}\n",
+    )
+        .into_response();
+    // The page asks for a token by itself.
+    if given.is_none() || basic {
+        let challenge = HeaderValue::from_static("Basic realm=\"console: any name, and the token as the password\"");
+        refusal.headers_mut().insert(WWW_AUTHENTICATE, challenge);
+    }
+    Err(refusal)
+}
+
+/// The names of the page's socket. Some browsers do not count it as our own.
+fn socket(headers: &HeaderMap, is_open: bool) -> String {
+    let host = headers
+        .get(HOST)
+        .and_then(|host| host.to_str().ok())
+        .unwrap_or_default();
+    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || ".-:[]".contains(letter);
+    if is_open && host.chars().all(is_plain) {
+        format!("wss://{host}")
+    } else {
+        "ws://127.0.0.1:* ws://localhost:*".to_owned()
+    }
 }
 
 fn is_too_large(headers: &HeaderMap) -> bool {
@@ -67,7 +135,7 @@ fn is_too_large(headers: &HeaderMap) -> bool {
 }
 
 /// `whose` is the name in the request's address, if it has one.
-fn is_ours(headers: &HeaderMap, whose: Option<&str>) -> bool {
+fn is_ours(headers: &HeaderMap, whose: Option<&str>, is_open: bool) -> bool {
     let text = |value: &HeaderValue| value.to_str().unwrap_or("?").to_ascii_lowercase();
     // One name, as HTTP/1.1 asks for, and no origin but ours.
     let mut hosts = headers.get_all(HOST).iter().map(text);
@@ -75,8 +143,9 @@ fn is_ours(headers: &HeaderMap, whose: Option<&str>) -> bool {
         return false;
     };
     let mut origins = headers.get_all(ORIGIN).iter().map(text);
-    origins.all(|origin| origin.strip_prefix("http://") == Some(host.as_str()))
-        && is_name(&host)
+    let scheme = if is_open { "https://" } else { "http://" };
+    origins.all(|origin| origin.strip_prefix(scheme) == Some(host.as_str()))
+        && (is_open || is_name(&host))
         && whose.is_none_or(|whose| whose.eq_ignore_ascii_case(&host))
 }
 
@@ -117,11 +186,22 @@ mod tests {
             ("localhostevil", None, false),
             ("LOCALHOST:8480", None, true),
         ] {
-            assert_eq!(is_ours(&headers(host, origin), None), ours, "{host} {origin:?}");
+            assert_eq!(is_ours(&headers(host, origin), None, false), ours, "{host} {origin:?}");
         }
+        // Where other computers reach it, any name is its own, but no other page asks.
+        for (host, origin, ours) in [
+            ("vehicle.example:8480", Some("https://vehicle.example:8480"), true),
+            ("10.0.0.7:8480", None, true),
+            ("vehicle.example:8480", Some("http://vehicle.example:8480"), false),
+            ("vehicle.example:8480", Some("https://evil.example"), false),
+        ] {
+            assert_eq!(is_ours(&headers(host, origin), None, true), ours, "{host} {origin:?}");
+        }
+        assert_eq!(socket(&headers("10.0.0.7:8480", None), true), "wss://10.0.0.7:8480");
+        assert!(!socket(&headers("a; script-src *", None), true).contains("script"));
         let mut two = headers("localhost", None);
-        assert!(is_ours(&two, Some("localhost")) && !is_ours(&two, Some("evil.example")));
+        assert!(is_ours(&two, Some("localhost"), false) && !is_ours(&two, Some("evil.example"), false));
         two.append(HOST, HeaderValue::from_static("evil.example"));
-        assert!(!is_ours(&two, None) && !is_ours(&HeaderMap::new(), None));
+        assert!(!is_ours(&two, None, false) && !is_ours(&HeaderMap::new(), None, false));
     }
 }

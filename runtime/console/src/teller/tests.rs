@@ -203,17 +203,37 @@ fn what_the_vehicle_says_again_is_of_little_interest_and_a_contact_is_a_place() 
     let items = told(
         &mut teller,
         &[
-            (0, "/log", &line("vehicle", "3943.013 s: client 1 reports status ok: has control")),
-            (1000, "/log", &line("vehicle", "3944.008 s: client 1 reports status ok: has control")),
-            (2000, "/log", &line("vehicle", "3945.008 s: client 1 reports status ok: steering")),
+            (
+                0,
+                "/log",
+                &line("vehicle", "3943.013 s: client 1 reports status ok: has control"),
+            ),
+            (
+                1000,
+                "/log",
+                &line("vehicle", "3944.008 s: client 1 reports status ok: has control"),
+            ),
+            (
+                2000,
+                "/log",
+                &line("vehicle", "3945.008 s: client 1 reports status ok: steering"),
+            ),
             (3000, "/log", &line("plugin echo", "contact 7 confirmed at 42.3 -70.7")),
         ],
     );
     let levels: Vec<&str> = items
         .iter()
-        .filter_map(|(item, _)| if let Item::Line { level, .. } = item { Some(*level) } else { None })
+        .filter_map(|(item, _)| {
+            if let Item::Line { level, .. } = item {
+                Some(*level)
+            } else {
+                None
+            }
+        })
         .collect();
     assert_eq!(levels, ["info", "debug", "info", "info"]);
-    let contact = |(item, kept): &(Item, bool)| *kept && matches!(item, Item::Contact { name, plugin, .. } if name == "7" && plugin == "echo");
+    let contact = |(item, kept): &(Item, bool)| {
+        *kept && matches!(item, Item::Contact { name, plugin, .. } if name == "7" && plugin == "echo")
+    };
     assert!(items.iter().any(contact), "{items:?}");
 }

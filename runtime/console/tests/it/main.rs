@@ -7,12 +7,16 @@
 
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
+use std::os::unix::fs::PermissionsExt;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use backseat_console::{
-    About, Act, Asked, Feed, Hub, Item, Kind, Limits, Listener, Origin, Pace, Service, Teller, Token, serve,
+    About, Act, Asked, Feed, Hub, Item, Kind, Limits, Listener, Origin, Pace, Service, Teller, Tls, Token, serve,
 };
 use backseat_units::Timestamp;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 use tempfile::TempDir;
 use tokio::sync::mpsc::Receiver;
@@ -390,4 +394,179 @@ fn the_pace_of_a_simulation_can_be_set_and_that_of_nothing_else() {
     let mut about = String::new();
     stream.read_to_string(&mut about).unwrap();
     assert!(about.contains("\"pace\":{\"times\":0.0}"), "{about}");
+}
+
+/// A console that other computers reach, on loopback here.
+struct Open {
+    address: SocketAddr,
+    token: String,
+    client: Arc<rustls::ClientConfig>,
+    folder: TempDir,
+    _asked: Receiver<Asked>,
+}
+
+fn open_console() -> Open {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let made = rcgen::generate_simple_self_signed(["vehicle.example".to_owned()]).unwrap();
+    std::fs::write(at("cert.pem"), made.cert.pem()).unwrap();
+    std::fs::write(at("key.pem"), made.signing_key.serialize_pem()).unwrap();
+    std::fs::set_permissions(at("key.pem"), PermissionsExt::from_mode(0o600)).unwrap();
+    let token = Token::create(&at("console.token")).unwrap();
+    let origin = Origin { lat: 42.0, lon: -70.0 };
+    let about = About {
+        operator: true,
+        ..About::new(Kind::Live, "isobath", 7, origin, "", "{}")
+    };
+    let tls = Tls::read(&at("cert.pem"), &at("key.pem")).unwrap();
+    let listener = Listener::open_to_all("127.0.0.1:0".parse().unwrap(), tls).unwrap();
+    let address = listener.address();
+    assert_eq!(listener.url(), format!("https://{address}"));
+    let service = Service {
+        hub: Hub::new(&about, Limits::LIVE),
+        token: Some(token),
+        live: true,
+        pace: None,
+    };
+    let asked = serve(listener, service).unwrap();
+    let mut roots = rustls::RootCertStore::empty();
+    roots.add(made.cert.der().clone()).unwrap();
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let client = rustls::ClientConfig::builder_with_provider(provider)
+        .with_safe_default_protocol_versions()
+        .unwrap()
+        .with_root_certificates(roots)
+        .with_no_client_auth();
+    Open {
+        address,
+        token: std::fs::read_to_string(at("console.token")).unwrap().trim().to_owned(),
+        client: Arc::new(client),
+        folder,
+        _asked: asked,
+    }
+}
+
+impl Open {
+    fn connect(&self) -> rustls::StreamOwned<rustls::ClientConnection, TcpStream> {
+        let name = "vehicle.example".to_owned().try_into().unwrap();
+        let connection = rustls::ClientConnection::new(Arc::clone(&self.client), name).unwrap();
+        let stream = TcpStream::connect(self.address).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        rustls::StreamOwned::new(connection, stream)
+    }
+
+    fn raw(&self, request: &str) -> String {
+        let mut stream = self.connect();
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        drop(stream.read_to_end(&mut answer));
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    fn get(&self, path: &str, more: &str) -> String {
+        self.raw(&format!(
+            "GET {path} HTTP/1.1\r\nHost: vehicle.example:8480\r\nConnection: close\r\n{more}\r\n"
+        ))
+    }
+
+    fn basic(&self, password: &str) -> String {
+        format!(
+            "Authorization: Basic {}\r\n",
+            STANDARD.encode(format!("ann:{password}"))
+        )
+    }
+}
+
+#[test]
+fn a_console_that_others_reach_answers_only_through_tls_and_with_the_token() {
+    let console = open_console();
+    let unknown = console.get("/api/about", "");
+    assert_eq!(status(&unknown), 401);
+    assert!(
+        unknown.to_ascii_lowercase().contains("www-authenticate: basic"),
+        "{unknown}"
+    );
+    for path in ["/", "/metrics", "/api/history", "/api/feed", "/assets/style.css"] {
+        assert_eq!(status(&console.get(path, "")), 401, "{path}");
+    }
+    let begun = Instant::now();
+    assert_eq!(status(&console.get("/", &console.basic("wrong"))), 401);
+    assert!(begun.elapsed() >= Duration::from_millis(900), "a wrong token is slowed");
+    let known = console.basic(&console.token);
+    let page = console.get("/", &known);
+    assert_eq!(status(&page), 200);
+    assert!(page.contains("wss://vehicle.example:8480"), "{page}");
+    assert!(console.get("/api/about", &known).contains("\"mission\":\"isobath\""));
+    let bearer = format!("Authorization: Bearer {}\r\n", console.token);
+    assert_eq!(status(&console.get("/metrics", &bearer)), 200);
+    // The page of another site, in a browser that knows the token.
+    let elsewhere = format!("{known}Origin: https://evil.example\r\n");
+    assert_eq!(status(&console.get("/api/about", &elsewhere)), 403);
+    // The page's own request, which has the token that was typed into it.
+    let post = |token: &str| {
+        console.raw(&format!(
+            "POST /api/operator HTTP/1.1\r\nHost: vehicle.example\r\nOrigin: https://vehicle.example\r\n\
+             Connection: close\r\nAuthorization: Bearer {token}\r\nContent-Type: application/json\r\n\
+             Content-Length: {}\r\n\r\n{HOLD}",
+            HOLD.len()
+        ))
+    };
+    let refused = post("wrong");
+    assert_eq!(status(&refused), 401);
+    assert!(!refused.to_ascii_lowercase().contains("www-authenticate"), "{refused}");
+    assert_eq!(status(&post(&console.token)), 202);
+    // Without TLS nothing is answered.
+    let mut plain = TcpStream::connect(console.address).unwrap();
+    plain.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    write!(plain, "GET /api/about HTTP/1.1\r\nHost: localhost\r\n{known}\r\n").unwrap();
+    let mut answer = Vec::new();
+    drop(plain.read_to_end(&mut answer));
+    assert!(!String::from_utf8_lossy(&answer).contains("HTTP/1.1"), "{answer:?}");
+}
+
+#[test]
+fn the_feed_goes_through_tls() {
+    let console = open_console();
+    let request = |known: &str| {
+        let request = tungstenite::http::Request::builder()
+            .uri("wss://vehicle.example/api/feed?after=0")
+            .header("Host", "vehicle.example")
+            .header("Connection", "Upgrade")
+            .header("Upgrade", "websocket")
+            .header("Sec-WebSocket-Version", "13")
+            .header("Sec-WebSocket-Key", "dGhlIHNhbXBsZSBub25jZQ==");
+        if known.is_empty() {
+            request
+        } else {
+            request.header("Authorization", known)
+        }
+        .body(())
+        .unwrap()
+    };
+    assert!(tungstenite::client(request(""), console.connect()).is_err());
+    let known = console.basic(&console.token);
+    let known = known.trim().strip_prefix("Authorization: ").unwrap().to_owned();
+    let (mut feed, _) = tungstenite::client(request(&known), console.connect()).unwrap();
+    assert!(matches!(feed.read(), Ok(Message::Text(_))));
+}
+
+#[test]
+fn a_certificate_or_key_that_cannot_be_used_is_told() {
+    let console = open_console();
+    let at = |name: &str| console.folder.path().join(name);
+    let refused = |certificate: &str, key: &str| Tls::read(&at(certificate), &at(key)).unwrap_err().to_string();
+    assert!(refused("none.pem", "key.pem").contains("none.pem: "));
+    std::fs::write(at("empty.pem"), "").unwrap();
+    assert!(refused("empty.pem", "key.pem").contains("empty.pem: no certificate in PEM"));
+    assert!(refused("cert.pem", "cert.pem").contains("cert.pem: mode 644 lets others read the key: chmod 600"));
+    std::fs::set_permissions(at("cert.pem"), PermissionsExt::from_mode(0o600)).unwrap();
+    assert!(refused("cert.pem", "cert.pem").contains("cert.pem: no private key in PEM"));
+    let other = rcgen::generate_simple_self_signed(["other.example".to_owned()]).unwrap();
+    std::fs::write(at("other.pem"), other.signing_key.serialize_pem()).unwrap();
+    std::fs::set_permissions(at("other.pem"), PermissionsExt::from_mode(0o600)).unwrap();
+    let text = refused("cert.pem", "other.pem");
+    assert!(
+        text.contains("other.pem: cannot be used with") && text.contains("cert.pem"),
+        "{text}"
+    );
 }

@@ -457,12 +457,13 @@ fn a_place_without_a_world_is_one_line() {
 #[test]
 fn a_console_beyond_this_computer_needs_a_certificate_and_a_key() {
     let mission = Mission::steady();
-    let refused = |more: &[&str]| {
+    let tried = |more: &[&str]| {
         let run = Backseat::new()
             .args(["run", "--console=0.0.0.0:0"])
             .args(more.iter().copied());
-        run.mission(&mission).run().refusal()
+        run.mission(&mission).run()
     };
+    let refused = |more: &[&str]| tried(more).refusal();
     names(
         &refused(&[]),
         &["0.0.0.0:0", "listens on this computer alone", "--console-cert"],

@@ -345,8 +345,12 @@ impl Screen {
             }
         }
         self.bar.set_position(done);
-        if progress.lacks_measure && !std::mem::replace(&mut self.told_measure, true) {
-            warn!("report.measure is a measure that the first runs do not have: the report will fail if no run has it");
+        if let Some(lack) = &progress.lacks_measure
+            && !std::mem::replace(&mut self.told_measure, true)
+        {
+            warn!(
+                "{lack}: unless a later run has it, there will be no report. Ctrl-C, correct it, and the same command goes on"
+            );
         }
         let mut message = String::new();
         for (count, what) in [

@@ -105,7 +105,12 @@ fn program() -> ExitCode {
                 .with_ansi(std::io::stderr().is_terminal())
                 .with_target(false),
         )
-        .with(told.unwrap_or_else(|| Targets::new().with_default(LevelFilter::INFO)))
+        .with(told.unwrap_or_else(|| {
+            // What a library says of its connections to viewers is no news of the dive.
+            Targets::new()
+                .with_default(LevelFilter::INFO)
+                .with_target("foxglove", LevelFilter::OFF)
+        }))
         .init();
     let result = match &cli.command {
         #[cfg(feature = "simulation")]

@@ -42,7 +42,10 @@ pub enum ReportError {
     #[error("a chart cannot be drawn: {0}")]
     Chart(String),
     /// The campaign has no such measure.
-    #[error("report.measure is `{measure}`: expected one of the measures of its runs: {known}")]
+    #[error(
+        "report.measure is `{measure}`: expected one of the measures of its runs: {known}; correct it \
+             and give the same command again, which flies nothing twice"
+    )]
     Measure {
         /// What was asked for.
         measure: String,

@@ -42,7 +42,7 @@ pub struct Order<'a> {
 }
 
 /// How far a campaign has come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
     /// The runs of this shard.
     pub runs: u64,
@@ -58,12 +58,12 @@ pub struct Progress {
     pub violations: u64,
     /// Bytes at the journal's end that were damaged and have been cut off: the runs in them are flown again.
     pub cut_off: u64,
-    /// The first runs have measures, and not the one that the report shows first.
-    pub lacks_measure: bool,
+    /// The first runs have measures, and not the one that the report shows first: in words.
+    pub lacks_measure: Option<String>,
 }
 
 /// How the flying of a campaign ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ended {
     /// How far it came.
     pub progress: Progress,
@@ -123,7 +123,9 @@ pub fn fly(order: &Order<'_>, stop: &Stop, mut tell: impl FnMut(&Progress)) -> R
                     progress.violations += row.violations();
                     if progress.now <= LOOKED_AT {
                         measured.extend(row.measures().map(str::to_owned));
-                        progress.lacks_measure = progress.now == LOOKED_AT && !order.plan.is_measured_by(&measured);
+                        if progress.now == LOOKED_AT {
+                            progress.lacks_measure = order.plan.unmeasured(&measured);
+                        }
                     }
                     if let Err(error) = journal.write(run, wall_ns, &row) {
                         stop.set();

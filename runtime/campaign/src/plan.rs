@@ -199,9 +199,17 @@ impl Plan {
             .collect()
     }
 
-    /// Whether the measure that the report shows first, if one is named, is among these.
-    pub(crate) fn is_measured_by(&self, names: &BTreeSet<String>) -> bool {
-        names.is_empty() || self.measure.as_ref().is_none_or(|(measure, _)| names.contains(measure))
+    /// If the measure that the report shows first is named, and not among these: which one it is, and these.
+    pub(crate) fn unmeasured(&self, names: &BTreeSet<String>) -> Option<String> {
+        let (measure, _) = self.measure.as_ref()?;
+        let lacks = !names.is_empty() && !names.contains(measure);
+        lacks.then(|| {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            format!(
+                "report.measure is `{measure}`, which the first runs do not have; they have {}",
+                names.join(", ")
+            )
+        })
     }
 
     /// The names of the parameters: keys of `mission.toml`, or of `world.toml` behind `world.`.

@@ -47,7 +47,7 @@ impl Components {
             let bytes = std::fs::read(&path).map_err(|source| LoadError::Read {
                 plugin: table.name.clone(),
                 path: path.clone(),
-                source,
+                reason: source,
             })?;
             components.compile(host, &table.component, &table.name, path, &bytes)?;
         }
@@ -188,6 +188,6 @@ fn refused(plugin: &str, path: &Path, source: HostError) -> LoadError {
     LoadError::Host {
         plugin: plugin.to_owned(),
         path: path.to_owned(),
-        source,
+        refused: source,
     }
 }

@@ -13,24 +13,24 @@ pub enum LoadError {
     #[error(transparent)]
     Mission(#[from] MissionError),
     /// Its component cannot be read.
-    #[error("plugin `{plugin}`: {}: {source}", path.display())]
+    #[error("plugin `{plugin}`: {}: {reason}", path.display())]
     Read {
         /// The plugin's name in the mission.
         plugin: String,
         /// The component.
         path: PathBuf,
-        /// The reason.
-        source: std::io::Error,
+        /// The reason. (Not the `source`, which would be told twice.)
+        reason: std::io::Error,
     },
     /// The host refuses it.
-    #[error("plugin `{plugin}` ({}): {}", path.display(), source.reason())]
+    #[error("plugin `{plugin}` ({}): {}", path.display(), refused.reason())]
     Host {
         /// The plugin's name in the mission.
         plugin: String,
         /// The component.
         path: PathBuf,
         /// The reason.
-        source: HostError,
+        refused: HostError,
     },
     /// Its component was not loaded.
     #[error("plugin `{plugin}`: component `{component}` is not loaded; loaded are: {loaded}")]

@@ -376,7 +376,7 @@ fn load_others(
         let bytes = std::fs::read(&path).map_err(|source| LoadError::Read {
             plugin: table.name.clone(),
             path: path.clone(),
-            source,
+            reason: source,
         })?;
         components.insert_file(host, &table.component, &table.name, path, &bytes)?;
     }

@@ -195,7 +195,7 @@ impl Report {
             lines.push(format!("  {owner}: {}", asked.line()));
         }
         section(&mut lines, "refused", self.refused.iter().map(Refused::line));
-        section(&mut lines, "flown", self.flown.iter().map(Flown::line));
+        section(&mut lines, "inserts flown", self.flown.iter().map(Flown::line));
         section(&mut lines, "leases that ended", self.leases.iter().map(Lease::line));
         section(&mut lines, "the operator", self.operator.iter().map(Happened::line));
         section(&mut lines, "troubles", self.troubles.iter().map(Happened::line));

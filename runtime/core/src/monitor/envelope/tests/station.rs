@@ -3,9 +3,10 @@
 use backseat_units::math::hypot;
 
 use super::*;
-use crate::monitor::envelope::boxes::span;
+use crate::monitor::envelope::boxes::{avoid, contain, hull_axes, span};
 use crate::monitor::limits::station::{BottomBox, HullBox, StationLimits};
 use crate::plugin::{CartesianSample, RelativeSample};
+use crate::refusal::{BoxEdge, Stretch};
 
 /// The samples are a quarter of a second old at this time.
 const NOW: Timestamp = Timestamp::from_millis(10_000);
@@ -307,4 +308,29 @@ fn two_places_are_near_if_they_are_in_every_known_frame() {
     assert!(place(None, here.bottom_m).is_near(&here, 0.0));
     assert!(place(here.hull_m, None).is_near(&here, 0.0));
     assert!(!place(None, None).is_near(&here, 7.0));
+}
+
+#[test]
+fn a_box_is_kept_up_to_its_bounds_and_another_is_avoided_beyond_them() {
+    let cube = hull_box([0.0, 10.0], [0.0, 10.0], [0.0, 10.0]);
+    let axes = |spans_m| hull_axes(&cube, spans_m);
+    let within = [[0.0, 5.0], [1.0, 9.0], [2.0, 8.0]];
+    assert_eq!(contain(Stretch::Here, "hull_box", &axes(within)).unwrap(), 0.0);
+    assert!(contain(Stretch::Here, "hull_box", &axes([[-1e-9, 5.0], [1.0, 9.0], [2.0, 8.0]])).is_err());
+    // Touching is no gap, and the bound that is named is the first of those that are equally near.
+    let touching = [[-5.0, 0.0], [-5.0, 0.0], [1.0, 2.0]];
+    let breach = |spans_m| {
+        let Err(Refusal::Box(breach)) = avoid(Stretch::Way, "keep_out", "wreck", &axes(spans_m)) else {
+            panic!("it is entered");
+        };
+        match breach.edge {
+            BoxEdge::Entered { key, .. } => (breach.missing_m, key),
+            BoxEdge::Kept { .. } => panic!("it is no box to keep to"),
+        }
+    };
+    assert_eq!(breach(touching), (Some(0.0), "horizontal_min_m".to_owned()));
+    let inside = [[-5.0, 4.0], [-5.0, 3.0], [1.0, 9.5]];
+    assert_eq!(breach(inside), (Some(3.0), "vertical_min_m".to_owned()));
+    let clear = [[-5.0, -1e-9], [1.0, 9.0], [1.0, 9.0]];
+    assert!(avoid(Stretch::Way, "keep_out", "wreck", &axes(clear)).is_ok());
 }

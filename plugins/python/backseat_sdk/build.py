@@ -163,7 +163,10 @@ def _why(said: str) -> str:
     ends = [line for line in last.splitlines() if line and not line[0].isspace()]
     if not found or not ends:
         return said.strip().splitlines()[-1] if said.strip() else "componentize-py failed without a word"
-    return f"{places[-1][0]}:{places[-1][1]}: {ends[0]}" if places else ends[0]
+    why = ends[0]
+    if why.startswith("ModuleNotFoundError"):
+        why += " (a plugin has Python's standard library and the modules beside it; no other package runs in the sandbox, numpy neither)"
+    return f"{places[-1][0]}:{places[-1][1]}: {why}" if places else why
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -100,6 +100,12 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let watched = false;
     let faults = arguments.faults.as_deref().map(read_faults).transpose()?;
     let script = arguments.script.as_deref().map(read_script).transpose()?;
+    #[cfg(feature = "plugin")]
+    for path in mission.components(arguments.mission.plugins.as_deref())? {
+        if let Some(stale) = crate::plugin::stale_file(&path) {
+            warn!("{stale}");
+        }
+    }
     let loading = Clock::start();
     let host = host(&arguments.mission)?;
     let components = Components::load(&host, &mission, arguments.mission.plugins.as_deref())?;

@@ -38,7 +38,9 @@ pub enum HostError {
         bytes_max: usize,
     },
     /// The component took too long to compile.
-    #[error("{plugin}: took longer than {seconds} s to compile")]
+    #[error(
+        "{plugin}: took longer than {seconds} s to compile: try again when this computer has less to do; what is compiled once is kept"
+    )]
     TooSlow {
         /// The plugin.
         plugin: String,

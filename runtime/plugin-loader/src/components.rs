@@ -178,9 +178,12 @@ impl Compiled {
             limits: mission.envelope.limits(),
         };
         let judge: Arc<dyn Judge> = mission.envelope.clone();
-        self.component
-            .start(budget, &brief, judge)
-            .map_err(|source| refused(&table.name, &self.path, source))
+        self.component.start(budget, &brief, judge).map_err(|source| {
+            let mission_toml = mission.folder.join("mission.toml");
+            let is_of_config = matches!(&source, HostError::Start { fault, .. } if fault.text.starts_with("config"));
+            let place = if is_of_config { &mission_toml } else { &self.path };
+            refused(&table.name, place, source)
+        })
     }
 }
 

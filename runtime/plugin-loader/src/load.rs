@@ -27,7 +27,7 @@ pub enum LoadError {
     Host {
         /// The plugin's name in the mission.
         plugin: String,
-        /// The component.
+        /// The component, or the mission file if its config is refused.
         path: PathBuf,
         /// The reason.
         refused: HostError,

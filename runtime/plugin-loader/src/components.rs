@@ -179,10 +179,13 @@ impl Compiled {
         };
         let judge: Arc<dyn Judge> = mission.envelope.clone();
         self.component.start(budget, &brief, judge).map_err(|source| {
-            let mission_toml = mission.folder.join("mission.toml");
             let is_of_config = matches!(&source, HostError::Start { fault, .. } if fault.text.starts_with("config"));
-            let place = if is_of_config { &mission_toml } else { &self.path };
-            refused(&table.name, place, source)
+            LoadError::Host {
+                plugin: table.name.clone(),
+                path: self.path.clone(),
+                config_in: is_of_config.then(|| mission.folder.join("mission.toml")),
+                refused: Box::new(source),
+            }
         })
     }
 }
@@ -191,6 +194,7 @@ fn refused(plugin: &str, path: &Path, source: HostError) -> LoadError {
     LoadError::Host {
         plugin: plugin.to_owned(),
         path: path.to_owned(),
-        refused: source,
+        config_in: None,
+        refused: Box::new(source),
     }
 }

@@ -23,14 +23,16 @@ pub enum LoadError {
         reason: std::io::Error,
     },
     /// The host refuses it.
-    #[error("plugin `{plugin}` ({}): {}", path.display(), refused.reason())]
+    #[error("plugin `{plugin}` ({}): {}{}", path.display(), refused.reason(), place(config_in.as_deref()))]
     Host {
         /// The plugin's name in the mission.
         plugin: String,
-        /// The component, or the mission file if its config is refused.
+        /// The component.
         path: PathBuf,
+        /// The mission file, if the plugin refuses what it has under `[plugin.config]`.
+        config_in: Option<PathBuf>,
         /// The reason.
-        refused: HostError,
+        refused: Box<HostError>,
     },
     /// Its component was not loaded.
     #[error("plugin `{plugin}`: component `{component}` is not loaded; loaded are: {loaded}")]
@@ -50,6 +52,11 @@ pub enum LoadError {
         /// The reason.
         message: String,
     },
+}
+
+/// Where the config is that was refused.
+fn place(config_in: Option<&Path>) -> String {
+    config_in.map_or_else(String::new, |path| format!(" (in {})", path.display()))
 }
 
 /// A mission's plugins, started.

@@ -54,7 +54,8 @@ pub fn build(project: &Project, kit: &Kit, tell: &dyn Fn(&str)) -> Result<PathBu
 
 /// Tells why the first build of a folder takes so long.
 fn announce(project: &Project, tell: &dyn Fn(&str)) {
-    if !project.folder().join("target").exists() {
+    let starts = |tool: &str| Command::new(tool).arg("--version").output().is_ok();
+    if !project.folder().join("target").exists() && starts("cargo") && starts("rustc") {
         tell(
             "the first build compiles the SDK and its libraries, twice if the unit tests run too: one to three minutes; \
              later builds take seconds",

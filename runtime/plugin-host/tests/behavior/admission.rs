@@ -50,7 +50,10 @@ fn a_file_that_is_no_component_is_refused_with_what_it_is() {
     let without_cache = Host::new().unwrap();
     let in_no_time = without_cache.load_within("odd", &components().template_bytes, 1 << 20, Duration::ZERO);
     let line = in_no_time.err().unwrap().to_string();
-    assert_eq!(line, "odd: took longer than 0 s to compile");
+    assert!(
+        line.starts_with("odd: took longer than 0 s to compile: try again"),
+        "{line}"
+    );
 }
 
 #[test]

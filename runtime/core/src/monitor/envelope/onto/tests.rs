@@ -199,3 +199,29 @@ fn the_solids_onto_an_approach_are_no_larger_than_they_must_be() {
     // From 45 to 135 degrees: five ranges.
     assert!(many.len() >= 5, "{} solids", many.len());
 }
+
+#[test]
+fn two_points_in_one_direction_are_no_turn_apart_and_the_begin_has_room_up_to_a_limit() {
+    let begun = at(0.0, 0.0);
+    let mut rounded = 0;
+    for (east, north) in (1..60).flat_map(|east| (1..60).map(move |north| (east, north))) {
+        let near = at(0.7 * f64::from(east), 1.3 * f64::from(north));
+        let to = [near, near * 3.3];
+        let (_, span_deg) = Approach {
+            begun,
+            within_m: 0.0,
+            to,
+        }
+        .directions_deg();
+        assert!(span_deg < 1e-6, "{span_deg} of {to:?}");
+        rounded += u32::from(atan2(to[1].east_m, to[1].north_m) != atan2(near.east_m, near.north_m));
+    }
+    assert!(rounded > 10, "rounding makes no difference here");
+    // A sine of exactly 0.7 is the last that leaves a direction.
+    let span_deg = |within_m| {
+        let to = [at(0.0, 10.0); 2];
+        Approach { begun, within_m, to }.directions_deg().1
+    };
+    assert!(span_deg(7.0) < 90.0);
+    assert_eq!(span_deg(7.1), 360.0);
+}

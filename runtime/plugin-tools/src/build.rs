@@ -18,7 +18,6 @@ pub fn unit_tests(project: &Project, kit: &Kit, tell: &dyn Fn(&str)) -> Result<b
         return Python::ready(kit, tell)?.unit_tests(project);
     }
     project.require_sdk(kit)?;
-    announce(project, tell);
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(&cargo).arg("test").current_dir(project.folder()).status();
     let status = status.map_err(|source| ToolError::NoRust {
@@ -39,7 +38,6 @@ pub fn build(project: &Project, kit: &Kit, tell: &dyn Fn(&str)) -> Result<PathBu
         return Python::ready(kit, tell)?.build(project);
     }
     project.require_sdk(kit)?;
-    announce(project, tell);
     let built = backseat_componentize::build(project.folder(), &[], project.folder())?;
     let component = project.component();
     if built.iter().any(|file| file.file_name() == component.file_name()) {
@@ -49,16 +47,5 @@ pub fn build(project: &Project, kit: &Kit, tell: &dyn Fn(&str)) -> Result<PathBu
             folder: project.folder().to_path_buf(),
             name: project.name().to_owned(),
         })
-    }
-}
-
-/// Tells why the first build of a folder takes so long.
-fn announce(project: &Project, tell: &dyn Fn(&str)) {
-    let starts = |tool: &str| Command::new(tool).arg("--version").output().is_ok();
-    if !project.folder().join("target").exists() && starts("cargo") && starts("rustc") {
-        tell(
-            "the first build compiles the SDK and its libraries, twice if the unit tests run too: one to three minutes; \
-             later builds take seconds",
-        );
     }
 }

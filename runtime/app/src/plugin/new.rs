@@ -48,5 +48,12 @@ pub(super) fn new(arguments: &New) -> Result<bool> {
     }
     say!("  {name}/mission     the mission of its test flights");
     say!("try: cd {name} && backseat plugin test");
+    say!(
+        "     (the first time takes some minutes: {})",
+        match language {
+            Language::Rust => "it compiles the SDK and its libraries",
+            Language::Python => "it fetches the tools and compiles Python",
+        }
+    );
     Ok(true)
 }

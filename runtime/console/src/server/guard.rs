@@ -25,7 +25,7 @@ const HEADERS: [(&str, &str); 5] = [
     ("cross-origin-resource-policy", "same-origin"),
 ];
 
-/// What a page may load and reach; `{}` are the names of its socket.
+/// What a page may load and reach, before and after the names of its socket.
 const POLICY: [&str; 2] = [
     "default-src 'self'; img-src 'self' data:; connect-src 'self' ",
     "; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
@@ -50,12 +50,12 @@ pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, n
         if shared.is_open
             && let Err(refusal) = known(&shared, request.headers()).await
         {
-            is(false);
-            return refusal;
+            refusal
+        } else {
+            // A body that never comes is not waited for.
+            let answer = timeout(ANSWER_WITHIN, next.run(request)).await;
+            answer.unwrap_or_else(|_| (StatusCode::REQUEST_TIMEOUT, "too slow\n").into_response())
         }
-        // A body that never comes is not waited for.
-        let answer = timeout(ANSWER_WITHIN, next.run(request)).await;
-        answer.unwrap_or_else(|_| (StatusCode::REQUEST_TIMEOUT, "too slow\n").into_response())
     } else {
         (
             StatusCode::FORBIDDEN,

@@ -486,6 +486,10 @@ fn a_console_that_others_reach_answers_only_through_tls_and_with_the_token() {
         unknown.to_ascii_lowercase().contains("www-authenticate: basic"),
         "{unknown}"
     );
+    assert!(
+        unknown.to_ascii_lowercase().contains("x-frame-options: deny"),
+        "{unknown}"
+    );
     for path in ["/", "/metrics", "/api/history", "/api/feed", "/assets/style.css"] {
         assert_eq!(status(&console.get(path, "")), 401, "{path}");
     }

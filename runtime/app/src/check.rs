@@ -12,6 +12,7 @@ use clap::Args;
 
 use crate::arguments::MissionArguments;
 use crate::cache::host;
+use crate::check::machine::RoomForLogs;
 use crate::clock::Clock;
 use crate::lock::{sign, signer};
 use crate::output::{kib, say};
@@ -49,6 +50,8 @@ pub(crate) struct Check {
     /// Where the dive will write its logs
     #[arg(long, value_name = "DIR", default_value = "logs")]
     pub(crate) log: PathBuf,
+    #[command(flatten)]
+    pub(crate) log_room: RoomForLogs,
     /// Sign the mission with this secret key if it is ready: writes mission.lock, for `run --locked`. A pair of keys is made
     /// by `backseat key`
     #[arg(long, value_name = "NAME.key")]
@@ -185,7 +188,12 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     match State::folder_of(arguments.state.as_deref(), &mission) {
         Ok(state) => {
             let now = clock.utc_at_start();
-            findings.extend(machine::findings(&mission, &arguments.log, &state, now)?);
+            findings.extend(machine::findings(
+                &mission,
+                (&arguments.log, arguments.log_room),
+                &state,
+                now,
+            )?);
             findings.extend(machine::kept(&mission, &state)?);
         }
         Err(error) => findings.push(format!("state: {error:#}")),

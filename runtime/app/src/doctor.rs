@@ -14,7 +14,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::arguments::MissionArguments;
-use crate::check::machine::{LOG_ROOM, STATE_ROOM, writable};
+use crate::check::machine::{Room, RoomForLogs, STATE_ROOM, in_words, writable};
 use crate::lock::{program_sha256, read_components};
 use crate::output::say;
 use crate::run::host_and_port;
@@ -33,6 +33,8 @@ pub(crate) struct Doctor {
     /// Where the dive will write its logs
     #[arg(long, value_name = "DIR", default_value = "logs")]
     log: PathBuf,
+    #[command(flatten)]
+    log_room: RoomForLogs,
     /// Where the dive will keep identifiers and the operator's hold [default: the user's state folder]
     #[arg(long, value_name = "DIR")]
     state: Option<PathBuf>,
@@ -83,7 +85,7 @@ pub(crate) fn doctor(arguments: &Doctor) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
     let mut findings = vec![program(), kernel(), governor(Path::new("/sys/devices/system/cpu"))];
     findings.extend(clock::findings());
-    findings.push(room("room for logs", &arguments.log, LOG_ROOM));
+    findings.push(room("room for logs", &arguments.log, arguments.log_room.into()));
     match State::folder_of(arguments.state.as_deref(), &mission) {
         Ok(folder) => {
             findings.push(room("room for state", &folder, STATE_ROOM));
@@ -155,9 +157,9 @@ fn governor(folder: &Path) -> Finding {
     }
 }
 
-fn room(what: &str, folder: &Path, least: u64) -> Finding {
+fn room(what: &str, folder: &Path, least: Room) -> Finding {
     match writable(folder, least) {
-        Ok(free) => Finding::new(what, Word::Ok, format!("{} GB in {}", free >> 30, folder.display())),
+        Ok(free) => Finding::new(what, Word::Ok, format!("{} in {}", in_words(free), folder.display())),
         Err(error) => Finding::new(what, Word::Bad, format!("{error:#}")),
     }
 }

@@ -118,8 +118,8 @@ impl LogRoom {
     }
 }
 
-/// A quota on the command line, such as 20GB or 500MB.
-pub(crate) fn quota(text: &str) -> Result<u64, String> {
+/// A size on the command line, such as 20GB or 500MB.
+pub(crate) fn size(text: &str) -> Result<u64, String> {
     let units = [("GB", 1_000_000_000), ("MB", 1_000_000)];
     let found = units
         .into_iter()
@@ -167,10 +167,10 @@ mod tests {
 
     #[test]
     fn a_quota_has_a_unit() {
-        assert_eq!(quota("20GB"), Ok(20_000_000_000));
-        assert_eq!(quota("500 MB"), Ok(500_000_000));
+        assert_eq!(size("20GB"), Ok(20_000_000_000));
+        assert_eq!(size("500 MB"), Ok(500_000_000));
         for text in ["20", "0GB", "-1GB", "GB", "1.5GB", "20KB"] {
-            assert!(quota(text).is_err(), "{text}");
+            assert!(size(text).is_err(), "{text}");
         }
     }
 }

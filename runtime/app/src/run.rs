@@ -29,7 +29,7 @@ use crate::keeper::Keeper;
 use crate::lock::{Locked, read_components};
 use crate::log::sources;
 use crate::log_parts::{Current, Parts, Split, split};
-use crate::log_room::{LogRoom, quota};
+use crate::log_room::{LogRoom, size};
 use crate::operator::Signals;
 use crate::owner::explained;
 use crate::plugins::Crew;
@@ -59,7 +59,7 @@ pub(crate) struct Run {
     pub(crate) log: PathBuf,
     /// Remove the oldest logs of this mission in that folder when all of them together are larger, such as 20GB [default:
     /// remove nothing]
-    #[arg(long, value_name = "SIZE", value_parser = quota)]
+    #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) log_quota: Option<u64>,
     /// Go on in another file after this time or size, such as 1h or 500MB, or whichever comes first of several; `log join`
     /// makes one log of all [default: one file]

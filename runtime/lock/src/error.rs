@@ -12,6 +12,14 @@ pub enum LockError {
         /// The reason.
         source: io::Error,
     },
+    /// A file is not there.
+    #[error("{}: is not there: {advice}", path.display())]
+    Missing {
+        /// Its path.
+        path: PathBuf,
+        /// How it is made.
+        advice: &'static str,
+    },
     /// A file is there, and would be lost.
     #[error("{}: is there already: give another name, or remove it", path.display())]
     Exists {
@@ -73,5 +81,14 @@ impl LockError {
             path: path.to_path_buf(),
             source,
         }
+    }
+
+    /// The same for a file that is read, with how it is made, if it is not there.
+    pub(crate) fn read(path: &std::path::Path, advice: &'static str, source: io::Error) -> Self {
+        if source.kind() == io::ErrorKind::NotFound {
+            let path = path.to_path_buf();
+            return Self::Missing { path, advice };
+        }
+        Self::file(path, source)
     }
 }

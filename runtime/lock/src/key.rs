@@ -13,6 +13,8 @@ const SECRET: &str = "backseat secret key 1";
 const PUBLIC: &str = "backseat public key 1";
 /// A key's file is shorter than this, bytes.
 const KEY_MAX: u64 = 4096;
+/// How a key is made.
+const MAKE: &str = "make a pair of keys with `backseat key NAME`";
 
 /// The key with which a person signs.
 pub struct SecretKey(SigningKey);
@@ -59,9 +61,10 @@ fn write(path: &Path, mode: u32, head: &str, bytes: &[u8]) -> Result<(), LockErr
     writeln!(file, "{head}\n{}", STANDARD.encode(bytes)).map_err(failed)
 }
 
-/// Reads a file, if it is one and no larger than this: not a pipe, on which it would wait, nor a device without an end.
-pub(crate) fn read_file(path: &Path, most: u64) -> Result<String, LockError> {
-    let about = std::fs::metadata(path).map_err(|source| LockError::file(path, source))?;
+/// Reads a file, if it is one and no larger than this: not a pipe, on which it would wait, nor a device without an end. The
+/// advice says how the file is made.
+pub(crate) fn read_file(path: &Path, most: u64, advice: &'static str) -> Result<String, LockError> {
+    let about = std::fs::metadata(path).map_err(|source| LockError::read(path, advice, source))?;
     if !about.is_file() || about.len() > most {
         return Err(LockError::NoFile {
             path: path.to_path_buf(),
@@ -72,7 +75,7 @@ pub(crate) fn read_file(path: &Path, most: u64) -> Result<String, LockError> {
 }
 
 fn read(path: &Path, head: &str, expected: &'static str) -> Result<[u8; 32], LockError> {
-    let text = read_file(path, KEY_MAX)?;
+    let text = read_file(path, KEY_MAX, MAKE)?;
     let mut lines = text.lines();
     let bytes = (lines.next() == Some(head))
         .then(|| lines.next().and_then(|line| STANDARD.decode(line.trim()).ok()))
@@ -92,7 +95,7 @@ impl SecretKey {
     ///
     /// [`LockError`] with the file.
     pub fn read(path: &Path) -> Result<Self, LockError> {
-        let about = std::fs::metadata(path).map_err(|source| LockError::file(path, source))?;
+        let about = std::fs::metadata(path).map_err(|source| LockError::read(path, MAKE, source))?;
         if about.permissions().mode() & 0o077 != 0 {
             return Err(LockError::Permissions {
                 path: path.to_path_buf(),
@@ -118,7 +121,7 @@ impl PublicKey {
             expected: "public",
         };
         let bytes = read(path, PUBLIC, "public")?;
-        let about = std::fs::metadata(path).map_err(|source| LockError::file(path, source))?;
+        let about = std::fs::metadata(path).map_err(|source| LockError::read(path, MAKE, source))?;
         if about.permissions().mode() & 0o022 != 0 {
             return Err(LockError::Writable {
                 path: path.to_path_buf(),

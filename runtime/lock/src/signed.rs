@@ -8,6 +8,8 @@ use crate::key::{PublicKey, SecretKey, read_file};
 const MARK: &str = "\n# The signature is of all lines above.\nsignature = \"";
 /// A lock is shorter than this, bytes.
 const LONGEST: u64 = 1 << 20;
+/// How a lock is made.
+const SIGN: &str = "sign the mission with `backseat check MISSION --sign NAME.key`";
 
 /// The text of a lock.
 #[must_use]
@@ -30,7 +32,7 @@ pub fn open(path: &Path, key: &PublicKey) -> Result<Contents, LockError> {
         path: path.to_path_buf(),
         message: message.trim().replace('\n', " "),
     };
-    let text = read_file(path, LONGEST)?;
+    let text = read_file(path, LONGEST, SIGN)?;
     let (body, signature) = text
         .split_once(MARK)
         .and_then(|(body, rest)| Some((body, rest.strip_suffix("\"\n")?)))

@@ -166,6 +166,7 @@ impl Backseat {
         }
         command.env("BACKSEAT_PLUGINS", backseat_test_support::plugins());
         command.env("BACKSEAT_CACHE", backseat_test_support::cache());
+        command.env("BACKSEAT_LOG_ROOM", backseat_test_support::LOG_ROOM);
         command.envs(self.environment);
         command.args(self.arguments);
         let stdin = (!self.typed).then_some(&*self.stdin);

@@ -60,6 +60,10 @@ pub fn cache() -> PathBuf {
     plugins().with_file_name("plugin-cache")
 }
 
+/// The room for logs that `check` and `doctor` ask for in tests (`BACKSEAT_LOG_ROOM`), so that what they find does not
+/// depend on how full the machine's disk is.
+pub const LOG_ROOM: &str = "1MB";
+
 /// The program `backseat`, built from the tree, in the target folder and with the profile of the calling test. (Cargo
 /// only tells a test where a program is if both are in the same package.)
 ///

@@ -9,16 +9,52 @@ use anyhow::Result;
 use backseat_fence::Rfc3339;
 use backseat_mission::Mission;
 use backseat_units::Utc;
+use clap::Args;
 
+use crate::log_room::size;
 use crate::output::say;
 use crate::owner::explained;
 use crate::run::names_requests;
 use crate::state::State;
 
-/// Room for the log of a day at sea: 10 Hz of navigation and all other messages, about 3 kB/s, times four.
-pub(crate) const LOG_ROOM: u64 = 1 << 30;
+/// How much room a dive's logs need.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct RoomForLogs {
+    /// The free space that the dive's logs need. A day at sea has about 3 kB/s, 260 MB; the default is four times that
+    #[arg(
+        id = "log-room",
+        long = "log-room",
+        env = "BACKSEAT_LOG_ROOM",
+        hide_env_values = true,
+        value_name = "SIZE",
+        default_value = "1GB",
+        value_parser = size
+    )]
+    pub(crate) bytes: u64,
+}
+
+/// Free space that must be there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Room {
+    bytes: u64,
+    /// How the operator asks for more or less, in brackets; empty if there is no way.
+    option: &'static str,
+}
+
+impl From<RoomForLogs> for Room {
+    fn from(asked: RoomForLogs) -> Self {
+        Self {
+            bytes: asked.bytes,
+            option: " (--log-room)",
+        }
+    }
+}
+
 /// The records of identifiers and hold are a few bytes each, and occupy one block each.
-pub(crate) const STATE_ROOM: u64 = 1 << 20;
+pub(crate) const STATE_ROOM: Room = Room {
+    bytes: 1_000_000,
+    option: "",
+};
 /// 2025-01-01. A clock that has lost power starts in 1970, or when its firmware was built.
 pub(crate) const CLOCK_MIN: Utc = Utc::from_unix_nanos(1_735_689_600_000_000_000);
 /// 2100-01-01.
@@ -27,12 +63,12 @@ pub(crate) const CLOCK_MAX: Utc = Utc::from_unix_nanos(4_102_444_800_000_000_000
 const AHEAD_MAX: Duration = Duration::from_secs(3600);
 
 /// Everything that this computer lacks, one line each. Prints a line if it lacks nothing.
-pub(super) fn findings(mission: &Mission, log: &Path, state: &Path, now: Utc) -> Result<Vec<String>> {
-    let folders = [("logs", log, LOG_ROOM), ("state", state, STATE_ROOM)];
+pub(super) fn findings(mission: &Mission, log: (&Path, RoomForLogs), state: &Path, now: Utc) -> Result<Vec<String>> {
+    let folders = [("logs", log.0, log.1.into()), ("state", state, STATE_ROOM)];
     let (mut findings, mut free) = (Vec::new(), Vec::new());
     for (what, folder, room) in folders {
         match writable(folder, room) {
-            Ok(bytes) => free.push(format!("{} GB free for {what}", bytes >> 30)),
+            Ok(bytes) => free.push(format!("{} free for {what}", in_words(bytes))),
             Err(error) => findings.push(format!("{what}: {error:#}")),
         }
     }
@@ -100,7 +136,7 @@ pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
 
 /// Checks that the folder, or the existing one in which it will be created, can be written to and has room. Returns how
 /// many bytes are free.
-pub(crate) fn writable(folder: &Path, room: u64) -> Result<u64> {
+pub(crate) fn writable(folder: &Path, room: Room) -> Result<u64> {
     let there = existing(folder);
     let probe = there.join(format!(".backseat-check-{}", std::process::id()));
     let written = fs::write(&probe, b"write test by backseat check\n");
@@ -109,13 +145,23 @@ pub(crate) fn writable(folder: &Path, room: u64) -> Result<u64> {
     let figures = rustix::fs::statvfs(&there).map_err(|error| explained(&there, error.into()))?;
     let free = figures.f_bavail.saturating_mul(figures.f_frsize);
     anyhow::ensure!(
-        free >= room,
-        "{}: {} MB are free, expected at least {}",
+        free >= room.bytes,
+        "{}: {} are free, expected at least {}{}",
         there.display(),
-        free >> 20,
-        room >> 20
+        in_words(free),
+        in_words(room.bytes),
+        room.option
     );
     Ok(free)
+}
+
+/// So many bytes, as a person says it.
+pub(crate) fn in_words(bytes: u64) -> String {
+    if bytes < 10_000_000_000 {
+        format!("{} MB", bytes / 1_000_000)
+    } else {
+        format!("{} GB", bytes / 1_000_000_000)
+    }
 }
 
 /// The folder itself, or its nearest ancestor that exists.

@@ -66,8 +66,11 @@ pub(super) fn view(arguments: &LogView) -> Result<bool> {
     let text = if reader.is_complete() {
         "the log ends here"
     } else {
-        warn!("the log has no end: the process was killed, or still writes it; it is shown up to its last whole chunk");
-        "the log has no end: the process was killed, or still writes it"
+        warn!(
+            "the log has no end: the process was killed, its disk was full, or it still writes; the log is shown up to its \
+             last whole chunk"
+        );
+        "the log has no end: the process was killed, its disk was full, or it still writes"
     };
     hub.add(teller.newest_s(), &Item::End { text: text.to_owned() }, true);
     let address = listener.address();

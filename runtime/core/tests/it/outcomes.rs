@@ -1,10 +1,11 @@
-//! The page on outcomes lists every rule, figure, state and end of the code.
+//! The page on outcomes lists every rule, figure, state, end and count of the code.
 
+use backseat_core::RequestCounts;
 use backseat_core::ended::EndCause;
 use backseat_core::refusal::{Figure, Reason, Rule, Uncontrolled};
 
 #[test]
-fn the_page_lists_every_rule_figure_state_and_end() {
+fn the_page_lists_every_rule_figure_state_end_and_count() {
     let page = include_str!("../../../docs/outcomes.md");
     let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
     let mut expected: Vec<String> = Vec::new();
@@ -29,6 +30,8 @@ fn the_page_lists_every_rule_figure_state_and_end() {
         )
     }));
     expected.extend(Rule::ALL.iter().map(|rule| format!("| `{rule}` | ")));
+    let counts = serde_json::to_value(RequestCounts::default()).unwrap();
+    expected.extend(counts.as_object().unwrap().keys().map(|name| format!("| `{name}` | ")));
     for start in &expected {
         assert!(
             rows.iter().any(|row| row.starts_with(start)),

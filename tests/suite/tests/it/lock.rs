@@ -149,6 +149,14 @@ fn a_mission_that_is_not_ready_is_not_signed() {
     let output = sign(&mission, "ann.key").exit(1);
     assert!(output.stdout.contains("not signed"), "{output}");
     assert!(!mission.path().join("mission.lock").exists());
+    let error = locked(&mission, "bob.pub").run().refusal();
+    assert!(
+        error.contains("bob.pub: is not there: make a pair of keys with `backseat key NAME`"),
+        "{error}"
+    );
     let error = locked(&mission, "ann.pub").run().refusal();
-    assert!(error.contains("mission.lock: No such file"), "{error}");
+    assert!(
+        error.contains("mission.lock: is not there: sign the mission with `backseat check MISSION --sign NAME.key`"),
+        "{error}"
+    );
 }

@@ -666,6 +666,32 @@ fn the_plan_is_checked_without_the_plugins() {
 fn a_good_computer_has_a_line_of_its_own() {
     has(
         &ready(&Mission::steady(), &[]),
-        &["this computer: ok", "GB free for logs"],
+        &["this computer: ok", " free for logs"],
+    );
+}
+
+#[test]
+fn a_disk_without_room_for_the_dives_logs_is_told() {
+    let mission = Mission::steady();
+    let said = not_ready(&mission, &["--log-room", "900000GB"]);
+    has(
+        &said,
+        &["logs: ", " are free, expected at least 900000 GB", "--log-room"],
+    );
+    // The option comes before the environment, in which the tests ask for little.
+    has(&ready(&mission, &["--log-room", "2MB"]), &["this computer: ok"]);
+}
+
+#[test]
+fn a_room_for_logs_has_a_unit() {
+    let finished = Backseat::new()
+        .arg("check")
+        .mission(&Mission::steady())
+        .args(["--log-room", "900"])
+        .run()
+        .exit(2);
+    has(
+        &finished.stderr,
+        &["--log-room", "expected a whole number of GB or MB, such as 20GB"],
     );
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use backseat_suite::{Finished, Process};
+use backseat_suite::{Backseat, Finished, Process};
 
 use super::{kit, plugin, target};
 
@@ -99,7 +99,19 @@ fn a_new_plugin_passes_its_tests_and_flies_and_one_that_is_wrong_does_not() {
     assert!(panicked.stdout.contains("the fiftieth request"), "{panicked}");
     assert!(panicked.stdout.contains("0 of 1 flights"), "{panicked}");
     fs::write(&source, text).unwrap();
+
+    // Who changed a source and did not build again flies the old component, and hears it.
+    let fly = || ended(Backseat::new().args(["sim", "mission"]).in_folder(&folder).spawn());
+    let old = fly().exit(0);
+    let says = "src/lib.rs: `backseat plugin build` makes it anew";
+    assert!(
+        old.stderr.contains("drift.wasm is older than ") && old.stderr.contains(says),
+        "{old}"
+    );
+    assert!(old.stdout.contains("the fiftieth request"), "{old}");
     let _ = run(&folder, &["build"]).exit(0);
+    let new = fly().exit(0);
+    assert!(!new.stderr.contains("is older than"), "{new}");
 
     // What is expected and does not happen.
     let world = folder.join("mission/world.toml");

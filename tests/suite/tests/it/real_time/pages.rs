@@ -99,6 +99,7 @@ fn follow(page: &str) -> (String, TempDir) {
         .env("REAL_TARGET", target)
         .env("XDG_STATE_HOME", folder.path().join("users-state"))
         .env("BACKSEAT_CACHE", backseat_test_support::cache())
+        .env("BACKSEAT_LOG_ROOM", backseat_test_support::LOG_ROOM)
         .env_remove("BACKSEAT_PLUGINS")
         .output()
         .expect("bash starts");

@@ -9,9 +9,11 @@
 //! program can do. So a file is loaded only if nobody but this user (or root) can have written it:
 //! - the folder is no link, belongs to the effective user, and gives others no access ([`folder`]);
 //! - the file is a regular file and no link, belongs to the effective user, and has mode 0600. These are read from the
-//!   open file, which is then read into memory, so nobody can exchange it between check and use;
+//!   open file;
 //! - its header names this component and this engine, and the SHA-256 of the rest is the one that the header records
-//!   ([`entry`]). The hash is no signature: it shows damage, not intent.
+//!   ([`entry`]). The hash is no signature: it shows damage, not intent;
+//! - what is hashed is copied in the same pass into a file in memory, which is then sealed ([`held`]), and the engine maps
+//!   that one. So nobody can exchange or change it between check and use.
 //!
 //! A file that fails a check is not loaded. The component is compiled anew, the file is replaced, and one line says what
 //! was wrong with it. Nothing that is wrong with the cache ends a run.
@@ -25,6 +27,7 @@ mod artefact;
 mod entry;
 mod fault;
 mod folder;
+mod held;
 mod key;
 mod place;
 mod room;

@@ -1,7 +1,7 @@
 //! The folder, and who may have written into it.
 
 use std::fs::{DirBuilder, File, Metadata, OpenOptions};
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind, Write};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
@@ -79,13 +79,13 @@ impl Folder {
         &self.path
     }
 
-    /// Reads a file that only this user can have written. `None` if there is none.
-    pub(super) fn read(&self, name: &str) -> Result<Option<Vec<u8>>, Fault> {
+    /// Opens a file that only this user can have written, and tells its length. `None` if there is none.
+    pub(super) fn file(&self, name: &str) -> Result<Option<(File, u64)>, Fault> {
         let path = self.path.join(name);
         let fault = |flaw| Err(Fault::new(&path, flaw));
         // A pipe is opened without waiting for somebody to write.
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
-        let mut file = match rustix::fs::openat(&self.file, name, flags, Mode::empty()) {
+        let file = match rustix::fs::openat(&self.file, name, flags, Mode::empty()) {
             Ok(file) => File::from(file),
             Err(Errno::NOENT) => return Ok(None),
             Err(Errno::LOOP) => return fault(Flaw::Link),
@@ -102,14 +102,9 @@ impl Folder {
                 has: found.len(),
             });
         }
-        let mut bytes = Vec::with_capacity(usize::try_from(found.len()).unwrap_or(0));
-        (&mut file)
-            .take(FILE_BYTES_MAX)
-            .read_to_end(&mut bytes)
-            .map_err(read_error)?;
         // What was used last is removed last. On a disk that cannot be written nothing is removed.
         let _unmarked = rustix::fs::futimens(&file, &used_now());
-        Ok(Some(bytes))
+        Ok(Some((file, found.len())))
     }
 
     /// Writes an artefact whole or not at all, and makes room for it before. It is not synced: what a loss of power

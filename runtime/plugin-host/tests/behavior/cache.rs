@@ -140,6 +140,18 @@ fn a_second_process_loads_what_the_first_has_compiled_and_does_the_same() {
 }
 
 #[test]
+fn what_is_loaded_is_a_sealed_file_in_memory() {
+    let trial = Trial::new();
+    let _file = trial.filled();
+    let loaded = trial.load();
+    assert_eq!(loaded.origin(), Origin::Cache);
+    let maps = fs::read_to_string("/proc/self/maps").unwrap();
+    let code = |line: &str| line.contains("memfd:backseat-plugin") && line.contains(" r-xp ");
+    assert!(maps.lines().any(code), "{maps}");
+    let _ = flown(&loaded);
+}
+
+#[test]
 fn folder_and_file_are_the_users_alone() {
     let trial = Trial::new();
     let file = trial.filled();

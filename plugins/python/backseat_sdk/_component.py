@@ -45,6 +45,7 @@ def world(plugin_class: type[Plugin]) -> type:
     for module in own:
         if not (module.__file__ or "").startswith(("/python/", "/bundled/", "/world/")):
             _faults.keep_source(module)
+    _try(plugin_class)
     instance = _Instance()
 
     def refuse(error: BaseException) -> Any:
@@ -101,6 +102,15 @@ def world(plugin_class: type[Plugin]) -> type:
                 raise _wit.error(" ".join(text.split())) from None
 
     return World
+
+
+def _try(plugin_class: type[Plugin]) -> None:
+    """Asks for the description and for the first snapshot while the component is built, where an exception is told with its
+    line: the interface has no error for either, so in a flight each would end the instance."""
+    plugin = plugin_class()
+    _wit.description(plugin.describe())
+    if plugin_class.snapshot is Plugin.snapshot:
+        plugin.snapshot()
 
 
 def _log(error: BaseException) -> None:

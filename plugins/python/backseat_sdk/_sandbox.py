@@ -73,8 +73,8 @@ class _Late:
     @staticmethod
     def find_spec(name: str, path: object = None, target: object = None) -> None:
         raise ModuleNotFoundError(
-            f"{name} is not in the component: import it at the top of a module (compiled packages such as numpy do "
-            "not work in the sandbox)",
+            f"{name} is not in the component: import what Python's standard library and your own modules have at the "
+            "top of a module; no other package runs in the sandbox, numpy neither",
             name=name,
         )
 

@@ -40,6 +40,12 @@ from backseat_sdk import _component
 WitWorld = _component.world(_component.find({module}, {name!r}))
 _sandbox.after_import()
 """
+#: Where componentize-py mounts the author's folder and the SDK's: by their order on its command line. Later ones have the
+#: packages of the Python environment.
+AUTHORS_FOLDER, SDK_FOLDER = 1, 2
+NO_PACKAGES = (
+    "a plugin has Python's standard library and the modules beside it; no other package runs in the sandbox, numpy neither"
+)
 #: Runs componentize-py as its own script does.
 SCRIPT = "from componentize_py import script; script()"
 
@@ -70,8 +76,10 @@ def build(folder: Path, output: Path, module: str = "plugin", name: str | None =
         try:
             finished = subprocess.run(command, capture_output=True, text=True, check=False)
             if finished.returncode != 0:
-                sys.stderr.write(_traceback(finished.stderr))
-                raise BuildError(f"{folder}: {_why(finished.stderr)}")
+                package = _foreign(finished.stderr)
+                if package is None:
+                    sys.stderr.write(_traceback(finished.stderr))
+                raise BuildError(f"{folder}: {_why(finished.stderr, package)}")
             check_component(draft)
             os.replace(draft, output)
         finally:
@@ -156,17 +164,32 @@ def _traceback(said: str) -> str:
     return "Traceback" + inner.partition("\n\n\n")[0].rstrip() + "\n"
 
 
-def _why(said: str) -> str:
-    """The line that says why: the end of the traceback, with its innermost place."""
+def _places(said: str) -> list[tuple[int, str, str]]:
+    """Where an import has failed, outermost first: the number of the folder as componentize-py mounts it, file and line."""
+    places = re.findall(r'File "/(\d+)/([^"]+)", line (\d+)', _traceback(said))
+    return [(int(folder), file, line) for folder, file, line in places]
+
+
+def _foreign(said: str) -> str | None:
+    """The package of somebody else in whose code the import has failed."""
+    places = _places(said)
+    return places[-1][1].partition("/")[0] if places and places[-1][0] > SDK_FOLDER else None
+
+
+def _why(said: str, package: str | None) -> str:
+    """The line that says why: the end of the traceback, with the innermost place in the author's files."""
     _, found, last = _traceback(said).rpartition("Traceback (most recent call last):")
-    places = re.findall(r'File "/\d+/([^"]+)", line (\d+)', last)
+    own = [(file, line) for folder, file, line in _places(said) if folder == AUTHORS_FOLDER]
+    where = f"{own[-1][0]}:{own[-1][1]}: " if own else ""
+    if package is not None:
+        return f"{where}{package} does not run in the sandbox: {NO_PACKAGES}"
     ends = [line for line in last.splitlines() if line and not line[0].isspace()]
     if not found or not ends:
         return said.strip().splitlines()[-1] if said.strip() else "componentize-py failed without a word"
     why = ends[0]
     if why.startswith("ModuleNotFoundError"):
-        why += " (a plugin has Python's standard library and the modules beside it; no other package runs in the sandbox, numpy neither)"
-    return f"{places[-1][0]}:{places[-1][1]}: {why}" if places else why
+        why += f" ({NO_PACKAGES})"
+    return where + why
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -26,7 +26,11 @@ def to_json(value: Any) -> str:
 
     Raises ``TypeError`` for a value that ``from_json`` could not read back.
     """
-    return json.dumps(value, default=_plain, separators=(",", ":"))
+    try:
+        return json.dumps(value, default=_plain, separators=(",", ":"))
+    except TypeError as error:
+        place = _misfit(value, "state")
+        raise (TypeError(place) if place else error) from None
 
 
 def from_json(kind: type[T], text: str, whole: str) -> T:
@@ -48,7 +52,22 @@ def _plain(value: Any) -> Any:
         return value.value
     if is_dataclass(value) and not isinstance(value, type):
         return vars(value)
-    raise TypeError(f"the state has a {type(value).__name__}, which is none of the types that a snapshot can hold")
+    raise TypeError(type(value).__name__)
+
+
+def _misfit(value: Any, place: str) -> str | None:
+    """Where a value has something that a snapshot cannot hold, in one line."""
+    if value is None or isinstance(value, str | int | float | Enum):
+        return None
+    if is_dataclass(value) and not isinstance(value, type):
+        parts = [(f"{place}.{name}", each) for name, each in vars(value).items()]
+    elif isinstance(value, dict):
+        parts = [(f"{place}[{key!r}]", each) for key, each in value.items()]
+    elif isinstance(value, list | tuple):
+        parts = [(f"{place}[{index}]", each) for index, each in enumerate(value)]
+    else:
+        return f"{place} is a {type(value).__name__}, which is none of the types that a snapshot can hold"
+    return next((found for at, each in parts if (found := _misfit(each, at))), None)
 
 
 @cache

@@ -100,7 +100,26 @@ def test_the_reason_is_the_end_of_the_traceback_and_its_place():
         '  File "/1/plugin.py", line 2, in <module>\n    import numpy\n'
         "ModuleNotFoundError: No module named 'numpy'\n\n\nCaused by:\n    x\n\nStack backtrace:\n   0: y\n"
     )
-    assert build._why(said).startswith("plugin.py:2: ModuleNotFoundError: No module named 'numpy' (a plugin has ")
-    assert build._why(said).endswith("no other package runs in the sandbox, numpy neither)")
+    assert build._foreign(said) is None
+    why = build._why(said, None)
+    assert why.startswith("plugin.py:2: ModuleNotFoundError: No module named 'numpy' (a plugin has ")
+    assert why.endswith("no other package runs in the sandbox, numpy neither)")
     assert "backtrace" not in build._traceback(said)
-    assert build._why("error: no such world\n") == "error: no such world"
+    assert build._why("error: no such world\n", None) == "error: no such world"
+
+
+def failed(*frames, why):
+    lines = "".join(f'  File "{file}", line {line}, in <module>\n    x\n' for file, line in frames)
+    return f"AssertionError: Traceback (most recent call last):\n{lines}{why}\n\n\nCaused by:\n    x\n"
+
+
+def test_the_place_is_the_authors_even_if_the_sdk_or_a_package_raises():
+    sdk = failed(
+        ("/0/backseat_entry.py", 5), ("/1/plugin.py", 7), ("/2/backseat_sdk/_sandbox.py", 65), why="NotInSandbox: no clock"
+    )
+    assert build._foreign(sdk) is None and build._why(sdk, None) == "plugin.py:7: NotInSandbox: no clock"
+    none = failed(("/0/backseat_entry.py", 7), ("/2/backseat_sdk/_component.py", 36), why="TypeError: plugin: expected one")
+    assert build._why(none, None) == "TypeError: plugin: expected one"
+    numpy = failed(("/1/plugin.py", 2), ("/3/numpy/_core/__init__.py", 85), why="ImportError: ")
+    assert build._foreign(numpy) == "numpy"
+    assert build._why(numpy, "numpy").startswith("plugin.py:2: numpy does not run in the sandbox: a plugin has ")

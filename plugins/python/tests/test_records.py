@@ -110,5 +110,5 @@ def test_a_set_has_no_order_and_so_no_snapshot():
     class State:
         seen: set = field(default_factory=set)
 
-    with pytest.raises(TypeError, match="the state has a set"):
+    with pytest.raises(TypeError, match="state.seen is a set, which is none"):
         to_json(State())

@@ -207,7 +207,7 @@ def test_a_queue_makes_smaller_what_does_not_fit_into_the_fence():
     start, end = frame.to_local(line.request.start), frame.to_local(line.request.end)
     assert line.progress is Progress.ASKED and abs(start.north - 100.0) < 0.01 and abs(end.north - 200.0) < 0.01
     assert circle.progress is Progress.GIVEN_UP and math.isclose(circle.request.radius, 40.0 * 0.75**3)
-    assert ("warn", "insert 2 of 2 made smaller: outside of the bay") in harness.lines
+    assert ("warn", "insert 2 of 2 made smaller, radius 40 m to radius 30 m: outside of the bay") in harness.lines
     assert ("warn", "insert 2 of 2 given up: outside of the bay") in harness.lines
 
 

@@ -118,7 +118,8 @@ pub(crate) enum Command {
     /// Make, build, test, inspect and check a plugin, in any folder
     ///
     /// The program carries the sources of the SDK, so a Rust toolchain (https://rustup.rs) with the target
-    /// wasm32-unknown-unknown is all that `new`, `build` and `test` need. `inspect` and `check` need no toolchain.
+    /// wasm32-unknown-unknown is all that `new`, `build` and `test` need; for a plugin in Python, Python 3.11 or later, and a
+    /// network the first time. `inspect` and `check` need no toolchain.
     #[cfg(feature = "plugin")]
     #[command(subcommand)]
     Plugin(Plugin),

@@ -96,7 +96,11 @@ fn stale(path: &std::path::Path) -> Result<Option<String>> {
 /// The same for a component that a mission names, if the folder that it is in is a plugin's whose component it is.
 #[cfg(feature = "simulation")]
 pub(crate) fn stale_file(component: &std::path::Path) -> Option<String> {
-    let folder = component.parent()?;
+    let here = std::path::Path::new(".");
+    let folder = component
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(here);
     let project = Project::open(folder).ok()?;
     let same = project.component().canonicalize().ok()? == component.canonicalize().ok()?;
     if same { stale(folder).ok()? } else { None }

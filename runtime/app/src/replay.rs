@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use backseat_recorder::LogReader;
-use backseat_replay::{Config, Configs, Flow, Given, Replay as Playback, Report, Task};
+use backseat_replay::{Config, Configs, Flow, Given, Replay as Playback, ReplayError, Report, Task};
 use clap::Args;
 use serde_json::json;
 
@@ -55,13 +55,25 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
     let loading = Clock::start();
     let mut log = expected_log(LogReader::open(&arguments.log))?;
     whole(&arguments.log, log.run().part)?;
-    let named = || format!("log {} cannot be replayed", arguments.log.display());
+    // An option that is wrong is no fault of the log.
+    let refused = |error: ReplayError| {
+        if error.is_of_an_option() {
+            return anyhow::Error::new(error);
+        }
+        anyhow::Error::new(error).context(format!("log {} cannot be replayed", arguments.log.display()))
+    };
     let whole = arguments.configs.iter().map(|(name, file)| config(name, file));
     let configs = Configs {
         set: &arguments.set,
         whole: &whole.collect::<Result<Vec<_>>>()?,
     };
-    let task = Task::of(&log, configs).with_context(named)?;
+    let task = Task::of(&log, configs).map_err(refused)?;
+    #[cfg(all(feature = "plugin", feature = "simulation"))]
+    for (_, file) in &arguments.plugins {
+        if let Some(stale) = crate::plugin::stale_file(file) {
+            tracing::warn!("{stale}");
+        }
+    }
     let given = arguments.plugins.iter().map(|(name, file)| given(name, file));
     let given = given.collect::<Result<_>>()?;
     #[cfg(feature = "simulation")]
@@ -70,7 +82,7 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
     }
     let mut playback =
-        Playback::new(task, &host_with(!arguments.no_cache)?, given, arguments.steps).with_context(named)?;
+        Playback::new(task, &host_with(!arguments.no_cache)?, given, arguments.steps).map_err(refused)?;
     let load_seconds = loading.elapsed().as_secs_f64();
     let playing = Clock::start();
     let mut attached = log.attachments().len();
@@ -79,7 +91,7 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
             playback.attach(&attachment.data);
         }
         attached = log.attachments().len();
-        if playback.take(message).with_context(named)? == Flow::Over {
+        if playback.take(message).map_err(refused)? == Flow::Over {
             break;
         }
     }

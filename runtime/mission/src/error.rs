@@ -52,7 +52,7 @@ pub enum MissionError {
         message: String,
     },
     /// A plugin's component was not found.
-    #[error("plugin `{plugin}`: no component `{component}`: looked for {looked}")]
+    #[error("plugin `{plugin}`: no component `{component}`: looked for {looked}: build it, or correct `component`")]
     NoComponent {
         /// The plugin's name in the mission.
         plugin: String,

@@ -56,7 +56,7 @@ pub enum LoadError {
 
 /// Where the config is that was refused.
 fn place(config_in: Option<&Path>) -> String {
-    config_in.map_or_else(String::new, |path| format!(" (in {})", path.display()))
+    config_in.map_or_else(String::new, |path| format!(" (in {}, or in --set)", path.display()))
 }
 
 /// A mission's plugins, started.

@@ -1,3 +1,4 @@
+use std::os::unix::process::ExitStatusExt;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -12,6 +13,7 @@ use crate::python::Python;
 /// # Errors
 ///
 /// [`ToolError::NoSdk`] if the SDK is not where the plugin looks for it, [`ToolError::NoRust`] without cargo,
+/// [`ToolError::TestsDoNotCompile`], [`ToolError::Killed`] if cargo was ended from outside,
 /// [`ToolError::NoPython`] and [`ToolError::Python`] without what Python needs.
 pub fn unit_tests(project: &Project, kit: &Kit, tell: &dyn Fn(&str)) -> Result<bool, ToolError> {
     if project.language() == Language::Python {
@@ -19,12 +21,30 @@ pub fn unit_tests(project: &Project, kit: &Kit, tell: &dyn Fn(&str)) -> Result<b
     }
     project.require_sdk(kit)?;
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let status = Command::new(&cargo).arg("test").current_dir(project.folder()).status();
-    let status = status.map_err(|source| ToolError::NoRust {
-        tool: cargo.to_string_lossy().into_owned(),
-        source,
-    })?;
-    Ok(status.success())
+    let run = |arguments: &[&str]| {
+        let status = Command::new(&cargo)
+            .args(arguments)
+            .current_dir(project.folder())
+            .status()
+            .map_err(|source| ToolError::NoRust {
+                tool: cargo.to_string_lossy().into_owned(),
+                source,
+            })?;
+        // Somebody has ended it, or the computer has no memory left.
+        match status.signal() {
+            Some(signal) => Err(ToolError::Killed {
+                what: format!("cargo {}", arguments.join(" ")),
+                signal,
+            }),
+            None => Ok(status.success()),
+        }
+    };
+    if !run(&["test", "--no-run"])? {
+        return Err(ToolError::TestsDoNotCompile {
+            folder: project.folder().to_path_buf(),
+        });
+    }
+    run(&["test"])
 }
 
 /// Builds the component, and returns its path. The messages of Cargo, or of Python, go to standard error. `tell` gets a

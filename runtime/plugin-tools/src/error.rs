@@ -91,6 +91,20 @@ pub enum ToolError {
         /// The reason.
         source: std::io::Error,
     },
+    /// The compiler refuses the plugin or its unit tests, and has said why.
+    #[error("{}: the plugin or its unit tests do not compile: the compiler's lines above say why", folder.display())]
+    TestsDoNotCompile {
+        /// The plugin's folder.
+        folder: PathBuf,
+    },
+    /// A tool was ended from outside, before it was done.
+    #[error("{what}: ended by signal {signal}, which says nothing about the plugin: try again")]
+    Killed {
+        /// The command.
+        what: String,
+        /// The signal.
+        signal: i32,
+    },
     /// There is no Python.
     #[error("{tool} does not start ({source}): install Python 3.11 or later, or set PYTHON")]
     NoPython {

@@ -108,3 +108,14 @@ pub enum ReplayError {
         message: u32,
     },
 }
+
+impl ReplayError {
+    /// Whether an option is wrong, and not the log.
+    #[must_use]
+    pub const fn is_of_an_option(&self) -> bool {
+        matches!(
+            self,
+            Self::NoPlugin { .. } | Self::Twice { .. } | Self::Setting { .. } | Self::Config { .. }
+        )
+    }
+}

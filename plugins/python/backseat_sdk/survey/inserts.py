@@ -267,8 +267,9 @@ class InsertQueue:
                 if smaller is None:
                     self._give_up(name, insert, refusal.text)
                 else:
+                    sizes = f"{_size(insert.request)} to {_size(smaller)}"
                     insert.request, insert.progress, insert.not_before_ns = smaller, Progress.WAITING, input.now_ns
-                    log.warn(f"{name} made smaller: {refusal.text}")
+                    log.warn(f"{name} made smaller, {sizes}: {refusal.text}")
             elif insert.refusals >= self.refusals_max:
                 self._give_up(name, insert, refusal.text)
             else:
@@ -298,6 +299,13 @@ class InsertQueue:
     def _give_up(self, name: str, insert: Insert, why: str) -> None:
         insert.progress, insert.why = Progress.GIVEN_UP, why
         log.warn(f"{name} given up: {why}")
+
+
+def _size(request: Trackline | Trackcircle) -> str:
+    """The length of a line, or the radius of a circle, for a person."""
+    if isinstance(request, Trackcircle):
+        return f"radius {request.radius:.0f} m"
+    return f"{Local(0.0, 0.0).distance(LocalFrame(request.start).to_local(request.end)):.0f} m"
 
 
 _OPEN = (Progress.ASKED, Progress.ACCEPTED, Progress.FLYING, Progress.UNKNOWN)

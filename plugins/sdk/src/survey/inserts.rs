@@ -41,6 +41,14 @@ impl Leg {
         }
     }
 
+    /// Its length or its radius, for a person.
+    fn size(&self) -> String {
+        match self {
+            Self::Line(line) => format!("{:.0} m", line.length_m()),
+            Self::Circle(circle) => format!("radius {:.0} m", circle.radius_m),
+        }
+    }
+
     fn smaller(&self, settings: &QueueSettings) -> Option<Self> {
         match *self {
             Self::Line(line) => line.shortened(settings.shorten_m, settings.line_min_m).map(Self::Line),
@@ -185,7 +193,7 @@ pub enum Turn {
     /// It will be requested again; with the reason.
     Again(String),
     /// It will be requested again in a smaller form; with the reason.
-    Smaller(String),
+    Smaller { sizes: String, why: String },
     /// It is given up; with the reason.
     Dropped(String),
 }
@@ -316,7 +324,7 @@ impl InsertQueue {
             Turn::Began => log::info!("leg {number} of {of} begun"),
             Turn::Flown => log::info!("leg {number} of {of} flown"),
             Turn::Again(why) => log::warn!("leg {number} of {of} will be requested again: {why}"),
-            Turn::Smaller(why) => log::warn!("leg {number} of {of} made smaller: {why}"),
+            Turn::Smaller { sizes, why } => log::warn!("leg {number} of {of} made smaller, {sizes}: {why}"),
             Turn::Dropped(why) => log::warn!("leg {number} of {of} given up: {why}"),
         }
     }
@@ -594,11 +602,15 @@ impl Task {
         let Some(smaller) = self.leg.smaller(settings) else {
             return self.drop(why);
         };
+        let sizes = format!("{} to {}", self.leg.size(), smaller.size());
         self.leg = smaller;
         self.progress = 0.0;
         // A different request, so it need not wait.
         self.standing = Standing::Waiting { not_before_ns: now_ns };
-        Turn::Smaller(why.to_owned())
+        Turn::Smaller {
+            sizes,
+            why: why.to_owned(),
+        }
     }
 
     fn drop(&mut self, why: &str) -> Turn {

@@ -162,6 +162,7 @@ impl Report {
             granted: None,
             process: 0,
             swapped_to: BTreeMap::new(),
+            panics: BTreeMap::new(),
         };
         for entry in &log.entries {
             collect.record(entry.now.as_secs_f64(), &entry.record);
@@ -303,8 +304,12 @@ struct Collect<'a> {
     process: u64,
     /// The version that last took each plugin's place, or was to: number and hash.
     swapped_to: BTreeMap<u64, String>,
+    /// The last panic that each plugin logged, and when.
+    panics: BTreeMap<u64, (f64, String)>,
 }
 
+/// How the line begins that Rust writes for a panic, and that the SDK logs.
+const PANIC: &str = "panicked at ";
 /// At most so many troubles are listed. The rest is counted.
 const TROUBLES_MAX: usize = 200;
 
@@ -423,6 +428,15 @@ impl Collect<'_> {
                 let text = line();
                 self.happened(at_s, text);
             }
+            "plugin-log" => {
+                let line = line();
+                if let (Some(plugin), Some((_, said))) = (note["plugin"].as_u64(), line.split_once(" says: "))
+                    && said.starts_with(PANIC)
+                {
+                    let said = said.lines().collect::<Vec<_>>().join(" ");
+                    self.panics.insert(plugin, (at_s, said));
+                }
+            }
             "plugin-failed" | "plugin-not-swapped" | "recovery" | "navigation" | "late" | "link-down" => {
                 let text = line();
                 let came_to = match note["note"].as_str() {
@@ -438,6 +452,7 @@ impl Collect<'_> {
                     let name = self.name(plugin);
                     self.happened(at_s, format!("{name}: version {version} {came_to}"));
                 }
+                let text = self.with_panic(at_s, note, text);
                 if self.report.troubles.len() < TROUBLES_MAX {
                     self.report.troubles.push(Happened { at_s, text });
                 } else {
@@ -445,6 +460,18 @@ impl Collect<'_> {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// A trap has no words of its own. The panic that led to it was logged in the same step, with the place in the source.
+    fn with_panic(&self, at_s: f64, note: &Value, text: String) -> String {
+        let fault = note["fault"]["text"]
+            .as_str()
+            .filter(|_| note["note"] == "plugin-failed");
+        let panic = note["plugin"].as_u64().and_then(|plugin| self.panics.get(&plugin));
+        match (fault, panic) {
+            (Some(fault), Some((then_s, said))) if then_s.total_cmp(&at_s).is_eq() => text.replace(fault, said),
+            _ => text,
         }
     }
 

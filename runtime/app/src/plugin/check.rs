@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use backseat_mission::Layers;
+use backseat_mission::{Layers, Mission, PluginTable};
 use backseat_plugin_tools::{Report, Task, ToolError};
 use clap::{Args, value_parser};
 use serde_json::json;
@@ -65,6 +65,9 @@ pub(super) fn check(arguments: &Check) -> Result<bool> {
     progress.finish_and_clear();
     let mut report = report?;
     report.remarks.extend(stale(&arguments.component)?);
+    if arguments.mission.is_none() {
+        report.remarks.extend(not_flown(&component.path, &mission)?);
+    }
     if arguments.json {
         let mut object = serde_json::to_value(&report)?;
         object["passed"] = json!(report.passed());
@@ -73,6 +76,25 @@ pub(super) fn check(arguments: &Check) -> Result<bool> {
         say!("{report}");
     }
     Ok(report.passed())
+}
+
+/// In one line, if the mission beside a component flies another one.
+fn not_flown(component: &Path, mission: &Path) -> Result<Option<String>> {
+    let layers = Layers {
+        set: Vec::new(),
+        environment: true,
+    };
+    let own = component.canonicalize()?;
+    let tables = Mission::load(mission, &layers)?.file.plugins;
+    let named = |table: &PluginTable| mission.join(&table.component).canonicalize().ok();
+    if tables.iter().any(|table| named(table).as_ref() == Some(&own)) {
+        return Ok(None);
+    }
+    let name = own.file_name().unwrap_or_default().display();
+    Ok(Some(format!(
+        "{}/mission.toml: no plugin has component = \"../{name}\": the trials flew it, and `sim` and `run` do not",
+        mission.display()
+    )))
 }
 
 /// The mission of the folder that a component is in.

@@ -161,7 +161,7 @@ fn what_does_not_fit_is_made_smaller_until_it_is_too_small() {
     let smaller = |index| {
         turns
             .iter()
-            .filter(|(of, turn)| *of == index && matches!(turn, Turn::Smaller(_)))
+            .filter(|(of, turn)| *of == index && matches!(turn, Turn::Smaller { .. }))
             .count()
     };
     // 300, 200 and 100 m; 30, 22.5 and 16.9 m.

@@ -101,7 +101,15 @@ fn a_new_plugin_passes_its_tests_and_flies_and_one_that_is_wrong_does_not() {
     fs::write(&source, text).unwrap();
 
     // Who changed a source and did not build again flies the old component, and hears it.
-    let fly = || ended(Backseat::new().args(["sim", "mission"]).in_folder(&folder).spawn());
+    let program = |arguments: &[&str]| {
+        ended(
+            Backseat::new()
+                .args(arguments.iter().copied())
+                .in_folder(&folder)
+                .spawn(),
+        )
+    };
+    let fly = || program(&["sim", "mission", "--log", "out.mcap"]);
     let old = fly().exit(0);
     let says = "src/lib.rs: `backseat plugin build` makes it anew";
     assert!(
@@ -109,6 +117,21 @@ fn a_new_plugin_passes_its_tests_and_flies_and_one_that_is_wrong_does_not() {
         "{old}"
     );
     assert!(old.stdout.contains("the fiftieth request"), "{old}");
+    let again = program(&["replay", "out.mcap", "--plugin", "drift=drift.wasm"]).exit(0);
+    assert!(again.stderr.contains(says), "{again}");
+    let none = program(&["replay", "out.mcap", "--plugin", "drafted=drift.wasm"]).exit(2);
+    assert!(
+        none.stderr.contains("\nerror: --plugin drafted: the run had no plugin"),
+        "{none}"
+    );
+    // After the dive the report says where the plugin panicked, as the simulation did.
+    let report = program(&["log", "report", "out.mcap"]).exit(0);
+    let trouble = report.stdout.lines().find(|line| line.contains("drift failed (Trap)"));
+    let told = "drift failed (Trap): panicked at src/lib.rs:";
+    assert!(
+        trouble.is_some_and(|line| line.contains(told) && line.contains("the fiftieth request")),
+        "{report}"
+    );
     let _ = run(&folder, &["build"]).exit(0);
     let new = fly().exit(0);
     assert!(!new.stderr.contains("is older than"), "{new}");
@@ -127,6 +150,24 @@ fn a_new_plugin_passes_its_tests_and_flies_and_one_that_is_wrong_does_not() {
     fs::write(&mission, text.replace("../drift.wasm", "template")).unwrap();
     let other = run(&folder, &["test"]).exit(2);
     assert!(other.stderr.contains("component = \"../drift.wasm\""), "{other}");
+
+    // A component that the mission beside it does not fly.
+    fs::write(&mission, text.replace("../drift.wasm", "../draft.wasm")).unwrap();
+    let checked = run(&folder, &["check", "--seeds", "1"]).exit(1);
+    let remark = "mission.toml: no plugin has component = \"../drift.wasm\"";
+    assert!(checked.stdout.contains(remark), "{checked}");
+
+    // A test that does not compile.
+    let source = folder.join("src/lib.rs");
+    let code = fs::read_to_string(&source).unwrap();
+    fs::write(&source, format!("{code}\nlet")).unwrap();
+    let uncompiled = run(&folder, &["test"]).exit(2);
+    let last = uncompiled.stderr.lines().last().unwrap();
+    assert_eq!(
+        last,
+        "error: .: the plugin or its unit tests do not compile: the compiler's lines above say why"
+    );
+    fs::write(&source, code).unwrap();
 
     // A unit test that fails.
     let source = folder.join("src/lib.rs");

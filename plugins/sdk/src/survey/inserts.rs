@@ -192,8 +192,13 @@ pub enum Turn {
     Flown,
     /// It will be requested again; with the reason.
     Again(String),
-    /// It will be requested again in a smaller form; with the reason.
-    Smaller { sizes: String, why: String },
+    /// It will be requested again in a smaller form.
+    Smaller {
+        /// Its size before and now, for a person.
+        sizes: String,
+        /// The reason.
+        why: String,
+    },
     /// It is given up; with the reason.
     Dropped(String),
 }

@@ -86,7 +86,9 @@ pub(crate) fn plugin_lines(log: &Log) -> impl Iterator<Item = (Timestamp, String
         let Record::Note(note) = &entry.record else { return None };
         let is_line = note.get("note").and_then(Value::as_str) == Some("plugin-log");
         let text = note.get("text").and_then(Value::as_str).filter(|_| is_line)?;
-        Some((entry.now, named(text, &plugins)))
+        // A panic has several lines, and is one entry.
+        let line = text.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+        Some((entry.now, named(&line, &plugins)))
     })
 }
 

@@ -62,6 +62,8 @@ fn a_run_is_summed_up_by_owner_and_rule() {
         (control_s - theirs_s).abs() < 2.0 * windows.len() as f64,
         "{control_s} is not {theirs_s}"
     );
+    // Nobody operated it: that a simulation stops its runtime at the end is no act of an operator.
+    assert_eq!(report["operator"].as_array().unwrap().len(), 0, "{report}");
 }
 
 #[test]

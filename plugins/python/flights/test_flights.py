@@ -116,7 +116,7 @@ def test_an_exception_of_every_step_fills_no_log_and_ends_in_quarantine(faulty):
         ("clock", "NotInSandbox: time.monotonic: a plugin has no clock: use input.now_ns or input.utc_ns (plugin.py:"),
         ("sleep", "NotInSandbox: time.sleep: a plugin cannot wait: return, and use a Timer (plugin.py:"),
         ("chance", "NotInSandbox: random.random: a plugin has no randomness"),
-        ("late-import", "ModuleNotFoundError: fractions is not in the component: import it at the top of a module"),
+        ("late-import", "ModuleNotFoundError: fractions is not in the component: import what Python's standard library and your own modules have"),
         ("numpy", "ModuleNotFoundError: numpy is not in the component"),
         ("file", "NotInSandbox: open: a plugin has no files"),
         ("thread", "NotInSandbox: Thread.start: a plugin has no threads"),

@@ -27,7 +27,7 @@ pub(crate) struct RoomForLogs {
         env = "BACKSEAT_LOG_ROOM",
         hide_env_values = true,
         value_name = "SIZE",
-        default_value = "1GB",
+        default_value = "1074MB",
         value_parser = size
     )]
     pub(crate) bytes: u64,
@@ -52,7 +52,7 @@ impl From<RoomForLogs> for Room {
 
 /// The records of identifiers and hold are a few bytes each, and occupy one block each.
 pub(crate) const STATE_ROOM: Room = Room {
-    bytes: 1_000_000,
+    bytes: 1 << 20,
     option: "",
 };
 /// 2025-01-01. A clock that has lost power starts in 1970, or when its firmware was built.

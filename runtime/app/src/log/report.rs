@@ -470,7 +470,7 @@ impl Collect<'_> {
     fn with_panic(&self, at_s: f64, note: &Value, text: String) -> String {
         let fault = note["fault"]["text"]
             .as_str()
-            .filter(|_| note["note"] == "plugin-failed");
+            .filter(|fault| note["note"] == "plugin-failed" && !fault.is_empty());
         let panic = note["plugin"].as_u64().and_then(|plugin| self.panics.get(&plugin));
         match (fault, panic) {
             (Some(fault), Some((then_s, said))) if then_s.total_cmp(&at_s).is_eq() => text.replace(fault, said),

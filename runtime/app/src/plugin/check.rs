@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use backseat_mission::{Layers, Mission, PluginTable};
+use backseat_mission::{Layers, Mission};
 use backseat_plugin_tools::{Report, Task, ToolError};
 use clap::{Args, value_parser};
 use serde_json::json;
@@ -66,7 +66,9 @@ pub(super) fn check(arguments: &Check) -> Result<bool> {
     let mut report = report?;
     report.remarks.extend(stale(&arguments.component)?);
     if arguments.mission.is_none() {
-        report.remarks.extend(not_flown(&component.path, &mission)?);
+        report
+            .remarks
+            .extend(not_flown(&component.path, &mission, arguments.plugins.as_deref())?);
     }
     if arguments.json {
         let mut object = serde_json::to_value(&report)?;
@@ -79,15 +81,25 @@ pub(super) fn check(arguments: &Check) -> Result<bool> {
 }
 
 /// In one line, if the mission beside a component flies another one.
-fn not_flown(component: &Path, mission: &Path) -> Result<Option<String>> {
+fn not_flown(component: &Path, mission: &Path, plugins: Option<&Path>) -> Result<Option<String>> {
     let layers = Layers {
         set: Vec::new(),
         environment: true,
     };
     let own = component.canonicalize()?;
-    let tables = Mission::load(mission, &layers)?.file.plugins;
-    let named = |table: &PluginTable| mission.join(&table.component).canonicalize().ok();
-    if tables.iter().any(|table| named(table).as_ref() == Some(&own)) {
+    let loaded = Mission::load(mission, &layers)?;
+    // The paths, and the bare names; where one component is missing there are no bare names.
+    let mut named: Vec<PathBuf> = loaded
+        .file
+        .plugins
+        .iter()
+        .map(|table| mission.join(&table.component))
+        .collect();
+    named.extend(loaded.components(plugins).unwrap_or_default());
+    if named
+        .iter()
+        .any(|path| path.canonicalize().is_ok_and(|path| path == own))
+    {
         return Ok(None);
     }
     let name = own.file_name().unwrap_or_default().display();

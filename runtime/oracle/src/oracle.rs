@@ -203,6 +203,7 @@ impl Oracle {
         self.station.pause(at);
         self.operator.cut();
         self.trigger.cut();
+        self.shutdown.stopped(at);
     }
 
     /// The runtime continues after it was stopped, and hears now what the vehicle sent meanwhile. If a run does not
@@ -211,7 +212,6 @@ impl Oracle {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
         self.goes_on(at);
-        self.shutdown.goes_on(at + self.sure());
     }
 
     /// A new process of the runtime begins. Of what was said before, it knows only the identifiers that were used and
@@ -377,6 +377,7 @@ impl Oracle {
         if self.process.is_stopped() {
             self.heartbeat.goes_on(at);
             self.integrity.cut();
+            self.shutdown.goes_on(at + self.sure());
         }
         self.process.goes_on(at);
     }

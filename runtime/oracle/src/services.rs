@@ -41,19 +41,19 @@ impl Trigger {
         }
     }
 
-    /// We sent BPDVR. `sure` is the longest time until we have certainly heard the vehicle.
+    /// We sent BPDVR. We have certainly heard what the vehicle sent before `heard`.
     pub(crate) fn we_say(
         &mut self,
         at: Moment,
         external: bool,
         triggering: bool,
-        sure: Duration,
+        heard: Moment,
         findings: &mut Findings,
     ) {
         if triggering {
             findings.judge(Rule::TriggerWithoutLeave);
         }
-        if triggering && !self.leave && self.ceased.is_none_or(|ceased| ceased + sure < at) {
+        if triggering && !self.leave && self.ceased.is_none_or(|ceased| ceased < heard) {
             findings.add(at, Rule::TriggerWithoutLeave, || match self.ceased {
                 Some(ceased) => format!("BPDVR says that we trigger, although BFDVT 0 came at {ceased}"),
                 None => "BPDVR says that we trigger, although no BFDVT 1 has come".to_owned(),
@@ -277,6 +277,13 @@ impl Shutdown {
             self.unheard = true;
         } else {
             self.heard.get_or_insert(heard);
+        }
+    }
+
+    /// The runtime is stopped. What is on its way to it then is heard when it continues.
+    pub(crate) fn stopped(&mut self, now: Moment) {
+        if self.heard.take_if(|heard| now < *heard).is_some() {
+            self.unheard = true;
         }
     }
 

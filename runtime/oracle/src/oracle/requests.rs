@@ -76,8 +76,9 @@ impl Oracle {
             }
             Ours::FrameMoves => self.frame_moves(at),
             Ours::DvlTrigger { external, triggering } => {
-                let (sure, findings) = (self.sure(), &mut self.findings);
-                self.trigger.we_say(at, *external, *triggering, sure, findings);
+                let heard = self.process.heard_until(at, self.sure());
+                self.trigger
+                    .we_say(at, *external, *triggering, heard, &mut self.findings);
             }
             Ours::Silent { silent } => self.silence.we_say(at, created, *silent, &mut self.findings),
             Ours::Topside => self.asked(at, Rated::Topside),

@@ -58,6 +58,34 @@ fn requirement_011_a_stopped_runtime_receives_the_notice_when_it_goes_on() {
 }
 
 #[test]
+fn requirement_011_a_notice_on_its_way_waits_for_a_stopped_runtime() {
+    let stopped = |ms| {
+        Scenario::with_control()
+            .beats_until(16_000)
+            .vehicle(2000, "BFSHT,{t}")
+            .stopped(ms)
+    };
+    stopped(2001)
+        .continued(6000)
+        .ours(6010, TRACKLINE)
+        .ours(16_700, "BPMSG,{t},bye")
+        .finds_nothing();
+    stopped(2001)
+        .continued(6000)
+        .ours(6300, TRACKLINE)
+        .finds(&["after-shutdown"]);
+    // Without an end of the stop in the record, the first write is the end.
+    let written = |ms| stopped(2001).ours(6000, "BPMSG,{t},late").ours(ms, "BPMSG,{t},bye");
+    written(16_700).finds_nothing();
+    written(16_800).finds(&["after-shutdown"]);
+    // It was certainly heard before the stop: neither the request nor the beats after 12.75 s may leave.
+    stopped(2300)
+        .continued(6000)
+        .ours(6010, TRACKLINE)
+        .finds(&["after-shutdown", "after-shutdown"]);
+}
+
+#[test]
 fn requirement_011_a_notice_that_may_be_lost_with_the_link_does_not_count() {
     let lost = |ms| {
         Scenario::with_control()
@@ -121,6 +149,10 @@ fn requirement_017_a_request_to_stop_must_be_answered() {
     ceased().vehicle(4100, "BFCTL,{t},0").finds(&["trigger-not-ceased"]);
     ceased().link(4500, false).finds_nothing();
     ceased().stopped(4500).finds_nothing();
+    // The runtime continues, and has not yet heard of the end.
+    let stopped = |ms| ceased().stopped(4001).continued(9000).ours(ms, "BPDVR,{t},1,1");
+    stopped(9010).finds_nothing();
+    stopped(9300).finds(&["trigger-without-leave"]);
 }
 
 #[test]

@@ -22,6 +22,8 @@ pub(crate) struct Operator {
     cancels: Option<(Moment, Moment)>,
     /// The same of inserts that the vehicle has named to a new process during the hold.
     named: Option<(Moment, Moment)>,
+    /// The vehicle has named such inserts while the runtime was stopped.
+    unread: bool,
 }
 
 impl Operator {
@@ -37,10 +39,23 @@ impl Operator {
         true
     }
 
-    /// The vehicle names a waiting insert of a previous process. During a hold it must be cancelled.
-    pub(crate) fn named(&mut self, at: Moment) {
-        if self.held.is_some() {
+    /// The vehicle names a waiting insert of a previous process. During a hold it must be cancelled; by a stopped
+    /// runtime, when it continues.
+    pub(crate) fn named(&mut self, at: Moment, stopped: bool) {
+        if self.held.is_none() {
+            return;
+        }
+        if stopped {
+            self.unread = true;
+        } else {
             self.named = Some((at + CANCELS_WITHIN, at));
+        }
+    }
+
+    /// A runtime that was stopped reads what the vehicle sent meanwhile.
+    pub(crate) fn goes_on(&mut self, at: Moment) {
+        if std::mem::take(&mut self.unread) {
+            self.named(at, false);
         }
     }
 
@@ -53,6 +68,7 @@ impl Operator {
     pub(crate) fn cut(&mut self) {
         self.cancels = None;
         self.named = None;
+        self.unread = false;
     }
 
     /// When every dynamic request must have ended.

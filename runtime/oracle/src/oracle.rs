@@ -378,6 +378,7 @@ impl Oracle {
             self.heartbeat.goes_on(at);
             self.integrity.cut();
             self.shutdown.goes_on(at + self.sure());
+            self.operator.goes_on(at);
         }
         self.process.goes_on(at);
     }

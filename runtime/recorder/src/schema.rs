@@ -4,10 +4,13 @@
 
 mod core;
 mod events;
+mod meaning;
 mod refusal;
 mod told;
 
 use serde_json::{Map, Value, json};
+
+use self::meaning::meaning;
 
 pub(crate) use self::core::{bytes, input, output, shadow};
 pub(crate) use told::{control, navigation, note, request, truth, vehicle};
@@ -23,6 +26,7 @@ impl Fields {
 
     fn scalar(mut self, name: &str, type_name: &str, what: &str) -> Self {
         let mut schema = json!({"type": type_name});
+        let what = if what.is_empty() { meaning(name) } else { what };
         if !what.is_empty() {
             schema["description"] = what.into();
         }
@@ -97,8 +101,9 @@ impl Fields {
 
     /// An array of a fixed length, or a tuple of values of one type.
     pub(crate) fn numbered(self, name: &str, type_name: &str, places: usize, what: &str) -> Self {
+        let what = if what.is_empty() { meaning(name) } else { what };
         let fields = (1..=places).fold(Self::new(), |fields, place| {
-            fields.scalar(&place.to_string(), type_name, "")
+            fields.scalar(&place.to_string(), type_name, what)
         });
         self.object(name, what, fields)
     }
@@ -229,8 +234,8 @@ mod tests {
                 "required": ["vertical"],
                 "properties": {
                     "vertical": {"type": "string", "description": "Where."},
-                    "vertical_depth-m": {"type": "number"},
-                    "vertical_altitude-m": {"type": "number"},
+                    "vertical_depth-m": {"type": "number", "description": "Metres."},
+                    "vertical_altitude-m": {"type": "number", "description": "Metres."},
                 }
             })
         );

@@ -216,13 +216,19 @@ impl Clients {
         }
         (client.told, client.tell_from) = (counts, now + IGNORED_EVERY);
         let parts = [
-            (counts.checksum_invalid - told.checksum_invalid, "with a wrong checksum"),
+            (
+                counts.checksum_invalid - told.checksum_invalid,
+                "with a wrong checksum (`backseat spi decode` names the right one)",
+            ),
             (counts.malformed - told.malformed, "without a name"),
             (counts.too_long - told.too_long, "too long"),
             (counts.not_utf8 - told.not_utf8, "not UTF-8"),
             (counts.cut_short - told.cut_short, "cut short"),
             (counts.overflowed - told.overflowed, "too many at once"),
-            (counts.noise_bytes - told.noise_bytes, "bytes of noise"),
+            (
+                counts.noise_bytes - told.noise_bytes,
+                "bytes outside of sentences, which begin with $",
+            ),
         ];
         let parts: Vec<String> = parts
             .iter()

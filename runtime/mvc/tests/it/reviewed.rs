@@ -115,12 +115,15 @@ fn bytes_that_are_no_sentence_are_counted_in_the_log() {
         |log: Vec<String>| -> Vec<String> { log.into_iter().filter(|line| line.contains("invalid input")).collect() };
     assert_eq!(
         told(payload.log()),
-        ["1.000 s: client 1 sent invalid input: 1 with a wrong checksum; 1 without a name; 5 bytes of noise"]
+        [
+            "1.000 s: client 1 sent invalid input: 1 with a wrong checksum (`backseat spi decode` names the right one); \
+          1 without a name; 5 bytes outside of sentences, which begin with $"
+        ]
     );
     payload.until(2.0);
     payload.bytes(ME, b"$BPMSG,070000.000,x*00\r\n");
     assert_eq!(
         told(payload.log()),
-        ["2.000 s: client 1 sent invalid input: 2 with a wrong checksum"]
+        ["2.000 s: client 1 sent invalid input: 2 with a wrong checksum (`backseat spi decode` names the right one)"]
     );
 }

@@ -78,7 +78,7 @@ impl Oracle {
                 self.inserts
                     .element(at, (element.number, element.identifier), element.index);
                 if self.inserts.take_named() {
-                    self.operator.named(at);
+                    self.operator.named(at, self.process.is_stopped());
                 }
             }
             Said::Answer(answer) => self.answered(at, answer),

@@ -97,6 +97,17 @@ fn requirement_015_a_new_process_cancels_an_insert_once_the_vehicle_has_named_it
     named(4600).operator(5000, false).finds_nothing();
     named(3300).ours(3550, "BPRCN,{t},7").finds_nothing();
     named(3300).finds(&["hold-cancel-missing"]);
+    // Named while the runtime was stopped, which cancels when it continues: the hunt found this, seed 12009175.
+    let stopped = || {
+        held()
+            .stopped(4000)
+            .vehicle(4600, "BFPLN,{t},,7,0,0,4200.300,N,07000.900,W,,,")
+            .continued(6000)
+    };
+    stopped().ours(6900, "BPRCN,{t},7").finds_nothing();
+    stopped().finds(&["hold-cancel-missing"]);
+    stopped().operator(6500, false).finds_nothing();
+    stopped().link(6500, false).finds_nothing();
 }
 
 #[test]

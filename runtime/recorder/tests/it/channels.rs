@@ -43,6 +43,27 @@ fn every_message_holds_to_its_schema_and_viewers_read_every_schema() {
     }
 }
 
+/// `tables.json` of an export has these texts, so that nobody has to guess what a column means.
+#[test]
+fn every_property_of_every_schema_says_what_it_means() {
+    fn silent(schema: &Value, place: &str, found: &mut Vec<String>) {
+        if let Some(properties) = schema["properties"].as_object() {
+            for (name, schema) in properties {
+                silent(schema, &format!("{place}.{name}"), found);
+            }
+        } else if schema["items"]["properties"].is_object() {
+            silent(&schema["items"], place, found);
+        } else if schema["description"].as_str().is_none_or(str::is_empty) {
+            found.push(place.to_owned());
+        }
+    }
+    let mut found = Vec::new();
+    for (topic, channel) in channels(&everything(Rate::Simulation)) {
+        silent(&channel.schema, &topic, &mut found);
+    }
+    assert_eq!(found, [""; 0]);
+}
+
 #[test]
 fn a_sentence_is_a_sensor_or_known_to_be_none() {
     let others = "BFMSC BFSHT BFBDL BFSDL BFTOP BFDVT BFVER BFNVG BFNVR BFMBS BFMBE BFMIS BFPLN BFACK BFCTL BFCMA BFCPS \

@@ -1,0 +1,112 @@
+//! What a property means that has no words of its own: by its name, or by the unit that ends its name.
+
+/// Names that mean the same wherever they stand.
+const NAMES: &[(&str, &str)] = &[
+    ("latitude_deg", "Degrees north."),
+    ("longitude_deg", "Degrees east."),
+    ("east_m", "Metres east, in the fence's frame."),
+    ("north_m", "Metres north, in the fence's frame."),
+    ("depth_m", "Metres below the surface."),
+    ("altitude_m", "Metres above the bottom."),
+    ("water_depth_m", "Metres from the surface to the bottom."),
+    ("east_mps", "Metres per second eastwards, over the ground."),
+    ("north_mps", "Metres per second northwards, over the ground."),
+    ("down_mps", "Metres per second downwards."),
+    ("roll_deg", "Degrees, starboard down positive."),
+    ("pitch_deg", "Degrees, nose up positive."),
+    ("horizontal_m", "Metres along the target."),
+    ("vertical_m", "Metres across the target."),
+    ("distance_m", "Metres from the target."),
+    ("x_m", "Metres along the x axis of BFCNV."),
+    ("y_m", "Metres along the y axis of BFCNV."),
+    ("z_m", "Metres along the z axis of BFCNV."),
+    ("volts_per_step", "Volts that one step of the samples stands for."),
+    ("port_m", "How far it reaches to port, metres."),
+    ("starboard_m", "How far it reaches to starboard, metres."),
+    ("text", "In words."),
+    ("message", "In words."),
+    ("name", "Its name."),
+    ("kind", "Which kind it is."),
+    ("key", "The name of the value."),
+    ("value", "The value."),
+    ("is", "Which one it is."),
+    ("tag", "The plugin's name for its request."),
+    ("sensor", "The sensor's index in the payload controller."),
+    ("number", "Its number, by who counts it."),
+    ("id", "Its identifier."),
+    ("timer", "The timer's identifier."),
+    ("file", "The file's name."),
+    ("on", "On or off."),
+    ("ready", "The sonars can be used."),
+    ("ping", "The sonar pings."),
+    ("pulse", "The name of the pulse."),
+    ("orbits", "How many orbits."),
+    ("address", "The modem's address."),
+    ("source", "The modem that sent it."),
+    ("destination", "The modem that it is for."),
+    ("mode", "Telemetry mode."),
+    ("good", "It arrived without an error."),
+    ("acknowledge", "The receiver is to acknowledge it."),
+    ("device", "The device's name."),
+    ("transport", "The way that it took."),
+    ("mission-command", "The command's text."),
+    ("logging-began", "The vehicle's file."),
+    ("logging-ended", "The vehicle's file."),
+    ("lost_steps", "How many steps were lost since the snapshot."),
+    ("dvl-trigger", "The vehicle permits external triggering of the DVL."),
+    ("rejected", "The rule that rejects it."),
+    ("failed", "Who says that it failed."),
+    ("ended", "How it ended."),
+    ("sample", "Which kind of sample it is."),
+    ("sonar", "What has happened at the sonars."),
+    ("rf_connected", "The radio link is up."),
+    ("ethernet_available", "The Ethernet link can be used."),
+    ("adjusting", "The vehicle is adjusting it."),
+    ("external", "External triggering is requested."),
+    ("triggering", "The payload triggers the DVL."),
+    ("silent", "Silent mode is requested."),
+    ("light", "The light's number."),
+    ("pan", "The camera's pan, in SPI's steps."),
+    ("tilt", "The camera's tilt, in SPI's steps."),
+    ("zoom", "The camera's zoom, in SPI's steps."),
+    ("sec", "Seconds since 1970."),
+    ("nsec", "Nanoseconds of the second."),
+    ("frame_id", "The frame, in Foxglove's terms."),
+    ("r", "Red, 0 to 1."),
+    ("g", "Green, 0 to 1."),
+    ("b", "Blue, 0 to 1."),
+    ("a", "Opacity, 0 to 1."),
+];
+
+/// Units at the end of a name. A longer one stands before one that it ends with.
+const UNITS: &[(&str, &str)] = &[
+    ("us_per_cm", "Microsiemens per centimetre."),
+    ("mps2", "Metres per second squared."),
+    ("percent", "Percent."),
+    ("mps", "Metres per second."),
+    ("dps", "Degrees per second."),
+    ("deg", "Degrees."),
+    ("rpm", "Revolutions per minute."),
+    ("kwh", "Kilowatt-hours."),
+    ("kpa", "Kilopascals."),
+    ("kb", "Kilobytes."),
+    ("mb", "Megabytes."),
+    ("ms", "Milliseconds."),
+    ("m", "Metres."),
+    ("s", "Seconds."),
+    ("c", "Degrees Celsius."),
+    ("v", "Volts."),
+    ("n", "Newtons."),
+];
+
+/// What a property means; empty if neither its name nor its unit says it.
+pub(super) fn meaning(name: &str) -> &'static str {
+    let by_name = NAMES.iter().find(|(known, _)| *known == name);
+    let by_unit = || {
+        UNITS.iter().find(|(unit, _)| {
+            name.strip_suffix(unit)
+                .is_some_and(|rest| rest.ends_with('_') || rest.ends_with('-'))
+        })
+    };
+    by_name.or_else(by_unit).map_or("", |(_, what)| what)
+}

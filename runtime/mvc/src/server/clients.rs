@@ -227,7 +227,7 @@ impl Clients {
             (counts.overflowed - told.overflowed, "too many at once"),
             (
                 counts.noise_bytes - told.noise_bytes,
-                "bytes outside of sentences, which begin with $",
+                "bytes outside of a sentence (it begins with a dollar sign)",
             ),
         ];
         let parts: Vec<String> = parts

@@ -117,7 +117,7 @@ fn bytes_that_are_no_sentence_are_counted_in_the_log() {
         told(payload.log()),
         [
             "1.000 s: client 1 sent invalid input: 1 with a wrong checksum (`backseat spi decode` names the right one); \
-          1 without a name; 5 bytes outside of sentences, which begin with $"
+          1 without a name; 5 bytes outside of a sentence (it begins with a dollar sign)"
         ]
     );
     payload.until(2.0);

@@ -1,6 +1,6 @@
 //! Arguments that several commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use backseat_mission::Layers;
 use clap::Args;
@@ -56,7 +56,18 @@ pub(crate) fn folder(text: &str) -> Result<PathBuf, String> {
     if folder.is_dir() {
         Ok(folder)
     } else {
-        Err("no such folder".to_owned())
+        Err(match folder.parent().filter(|_| folder.is_file()) {
+            Some(parent) => format!("expected a folder, and this is a file: give {}", or_here(parent)),
+            None => "no such folder".to_owned(),
+        })
+    }
+}
+
+/// The empty path is the working folder.
+fn or_here(folder: &Path) -> std::path::Display<'_> {
+    match folder.as_os_str().is_empty() {
+        true => Path::new(".").display(),
+        false => folder.display(),
     }
 }
 

@@ -78,8 +78,8 @@ pub(crate) enum Command {
     Mvc(Mvc),
     /// Run only the mock payload controller with its sonars, for any 7k client
     ///
-    /// The mock payload controller behaves like a RESON 6046 with a sidescan and a sub-bottom profiler, as [plc] of the
-    /// a world.toml describes it; it needs nothing else of a mission. Its sonars see the seabed and the targets of that
+    /// The mock payload controller behaves like a RESON 6046 with a sidescan and a sub-bottom profiler, as [plc] of a
+    /// world.toml describes it; it needs nothing else of a mission. Its sonars see the seabed and the targets of that
     /// world. Clients report the vehicle's position in records 3100; until one does, the vehicle stands at [start].
     ///
     /// Each event is a line on standard error. Ctrl-C or SIGTERM ends the program, and so does a client's shutdown

@@ -71,7 +71,7 @@ pub(crate) struct Fly {
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
     /// End after this many seconds of the mission, even if it is not over
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) duration: Option<f64>,
     #[cfg(feature = "console")]
     #[command(flatten)]

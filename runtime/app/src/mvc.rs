@@ -48,7 +48,7 @@ pub(crate) struct Mvc {
     #[arg(long, default_value = "127.0.0.1:29500", value_name = "ADDR:PORT")]
     pub(crate) listen: String,
     /// Run this many times faster than real time, or `max` for as fast as the clients read
-    #[arg(long, default_value = "1", value_name = "X|max")]
+    #[arg(long, default_value = "1", value_name = "X|max", allow_negative_numbers = true)]
     pub(crate) speed: Speed,
     /// Let the vehicle's clock stand until this many clients are connected [default: 0; with --speed max: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=WAIT_MAX))]
@@ -82,7 +82,7 @@ pub(crate) struct Mvc {
     #[arg(long, value_name = "DIR", requires = "with_plc")]
     pub(crate) plc_folder: Option<PathBuf>,
     /// End after this many seconds of the vehicle's time
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) duration: Option<f64>,
 }
 

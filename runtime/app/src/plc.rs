@@ -41,7 +41,7 @@ pub(crate) struct Plc {
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<PathBuf>,
     /// End after this many seconds
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) duration: Option<f64>,
 }
 

@@ -4,7 +4,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use backseat_campaign::{DrawnFaults, Interference};
+use backseat_campaign::{DrawnFaults, Interference, ToldFault};
 use backseat_mission::Mission;
 use backseat_mvc::FaultPlan;
 use backseat_plc::{FileFailure, PlcConfig};
@@ -99,6 +99,11 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     #[cfg(not(feature = "console"))]
     let watched = false;
     let faults = arguments.faults.as_deref().map(read_faults).transpose()?;
+    if let (Some(path), Some(plan)) = (&arguments.faults, &faults)
+        && plan.faults.is_empty()
+    {
+        warn!("{}: no fault in it: expected [[fault]] tables", path.display());
+    }
     let script = arguments.script.as_deref().map(read_script).transpose()?;
     #[cfg(feature = "plugin")]
     for path in mission.components(arguments.mission.plugins.as_deref())? {
@@ -199,7 +204,9 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     };
     let progress = progress_bar(arguments.json);
     paced(&mut flight, &times, &progress, &flying)?;
+    let now = flight.simulation.now();
     let (mut report, trace, mvc) = flight.simulation.finish()?;
+    report.faults += flight.drawn.as_ref().map_or(0, |drawn| drawn.begun(now));
     report.wall_seconds = flying.elapsed().as_secs_f64();
     report.load_seconds = load_seconds;
     progress.finish_and_clear();
@@ -221,7 +228,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     if arguments.json {
         say!("{}", serde_json::to_string(&report)?);
     } else {
-        print_report(&report, &faults, arguments)?;
+        print_report(&report, &told_faults(&faults, flight.drawn.as_ref()), arguments)?;
     }
     let failed_files = failed_files.borrow();
     if let Some(first) = failed_files.first() {
@@ -371,7 +378,7 @@ fn show(progress: &ProgressBar, simulation: &Simulation, clock: &Clock) {
     progress.tick();
 }
 
-fn print_report(report: &Report, faults: &FaultPlan, arguments: &Sim) -> Result<()> {
+fn print_report(report: &Report, faults: &[ToldFault], arguments: &Sim) -> Result<()> {
     let Report {
         mission,
         seed,
@@ -435,10 +442,8 @@ fn print_report(report: &Report, faults: &FaultPlan, arguments: &Sim) -> Result<
 }
 
 /// The faults in the order of their times, at most so many of them.
-fn print_faults(plan: &FaultPlan, sim_seconds: f64) -> Result<()> {
+fn print_faults(faults: &[ToldFault], sim_seconds: f64) -> Result<()> {
     const SHOWN: usize = 10;
-    let mut faults: Vec<_> = plan.faults.iter().collect();
-    faults.sort_by_key(|fault| fault.at);
     for fault in faults.iter().take(SHOWN) {
         let at_s = fault.at.as_secs_f64();
         let lasts = match fault.lasts.as_secs_f64() {
@@ -450,10 +455,23 @@ fn print_faults(plan: &FaultPlan, sim_seconds: f64) -> Result<()> {
         } else {
             ""
         };
-        say!("  fault at {at_s} s{lasts}: {}{late}", fault.kind);
+        say!("  fault at {at_s} s{lasts}: {}{late}", fault.what);
     }
     if faults.len() > SHOWN {
         say!("  and {} more faults", faults.len() - SHOWN);
     }
     Ok(())
+}
+
+/// All faults of a run by time, in words: those of the vehicle and the link, and those that are done to the runtime.
+fn told_faults(plan: &FaultPlan, drawn: Option<&Interference>) -> Vec<ToldFault> {
+    let of_plan = plan.faults.iter().map(|fault| ToldFault {
+        at: fault.at,
+        lasts: fault.lasts,
+        what: fault.kind.to_string(),
+    });
+    let of_computer = drawn.map_or(&[][..], Interference::computer).iter().cloned();
+    let mut all: Vec<_> = of_plan.chain(of_computer).collect();
+    all.sort_by_key(|fault| fault.at);
+    all
 }

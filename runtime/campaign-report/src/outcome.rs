@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use backseat_campaign::{Better, Column, ColumnKind, Folder, Plan, RUNS, read_columns, read_names};
 
 use crate::ReportError;
@@ -148,8 +150,12 @@ impl Outcomes {
     #[must_use]
     pub fn pass_interval(&self, arm: &Arm) -> Interval {
         let (passed, flown) = self.passed_of(arm);
-        let points = (arm.runs / self.seeds.max(1)).max(1);
-        pass_rate(passed as f64 / flown.max(1) as f64, flown.div_ceil(points))
+        let seeds: BTreeSet<usize> = self
+            .range(arm)
+            .filter(|run| self.flown[*run])
+            .map(|run| self.seed_of(arm, run))
+            .collect();
+        pass_rate(passed as f64 / flown.max(1) as f64, seeds.len() as u64)
     }
 
     /// The values of a measure in an arm, in ascending order.
@@ -275,4 +281,35 @@ fn arms(plan: &Plan) -> Vec<Arm> {
             })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten seeds at three points. The second point could not be flown.
+    #[test]
+    fn the_interval_counts_the_seeds_that_were_flown() {
+        let arm = Arm {
+            name: "a".to_owned(),
+            first: 0,
+            runs: 30,
+        };
+        let outcomes = |flown: Vec<bool>| Outcomes {
+            arms: vec![arm.clone()],
+            seeds: 10,
+            passed: flown.clone(),
+            flown,
+            violations: vec![0; 30],
+            reasons: Vec::new(),
+            measures: Vec::new(),
+            parameters: Vec::new(),
+            leading: None,
+        };
+        let of_seeds = |count| pass_rate(1.0, count).low;
+        let low = |flown| outcomes(flown).pass_interval(&arm).low;
+        assert_eq!(low(vec![true; 30]), of_seeds(10));
+        assert_eq!(low((0..30).map(|run| !(10..20).contains(&run)).collect()), of_seeds(10));
+        assert_eq!(low((0..30).map(|run| run % 10 < 4).collect()), of_seeds(4));
+    }
 }

@@ -17,7 +17,10 @@ pub fn table(outcomes: &Outcomes) -> String {
         rates.add_row([
             arm.name.clone(),
             arm.runs.to_string(),
-            format!("{passed} ({})", percent(passed as f64 / flown.max(1) as f64)),
+            match percent(passed as f64 / flown.max(1) as f64) {
+                share if not_flown == 0 => format!("{passed} ({share})"),
+                share => format!("{passed} of {flown} flown ({share})"),
+            },
             format!("{} to {}", percent(interval.low), percent(interval.high)),
             not_flown.to_string(),
             violations.to_string(),

@@ -64,7 +64,7 @@ impl DrawnFaults {
         let mut stream = Stream::new(seed, "drawn faults");
         let [least, most] = self.count;
         let count = least + (stream.uniform() * f64::from(most - least + 1)) as u32;
-        let (mut faults, mut acts) = (Vec::new(), Vec::new());
+        let (mut faults, mut computer, mut acts) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..count.min(most) {
             let at = self.time(&mut stream);
             if stream.uniform() < VEHICLE / (VEHICLE + COMPUTER) {
@@ -73,7 +73,7 @@ impl DrawnFaults {
                     ..vehicle_fault(&mut stream)
                 });
             } else {
-                computer_fault(at, &mut stream, &mut acts);
+                computer.push(computer_fault(at, &mut stream, &mut acts));
             }
         }
         if most > 0 && stream.uniform() < FATAL_CHANCE {
@@ -86,9 +86,11 @@ impl DrawnFaults {
             faults.push(Fault { at, lasts, kind });
         }
         faults.sort_by_key(|fault| fault.at);
+        computer.sort_by_key(|fault| fault.at);
         acts.sort_by_key(|(at, _)| *at);
         Interference {
             plan: FaultPlan { faults },
+            computer,
             acts: acts.into(),
         }
     }
@@ -128,6 +130,17 @@ impl std::fmt::Display for DrawnFaults {
     }
 }
 
+/// A fault as a report tells it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToldFault {
+    /// When it begins.
+    pub at: Timestamp,
+    /// How long it lasts.
+    pub lasts: Duration,
+    /// In words, such as `the runtime is killed`.
+    pub what: String,
+}
+
 /// What is done to our own computer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Act {
@@ -144,6 +157,7 @@ enum Act {
 #[derive(Clone, Debug)]
 pub struct Interference {
     plan: FaultPlan,
+    computer: Vec<ToldFault>,
     acts: std::collections::VecDeque<(Timestamp, Act)>,
 }
 
@@ -152,6 +166,18 @@ impl Interference {
     #[must_use]
     pub const fn plan(&self) -> &FaultPlan {
         &self.plan
+    }
+
+    /// The faults of our own computer, which no plan of the vehicle has, by time.
+    #[must_use]
+    pub fn computer(&self) -> &[ToldFault] {
+        &self.computer
+    }
+
+    /// How many faults of our computer had begun by a time.
+    #[must_use]
+    pub fn begun(&self, by: Timestamp) -> u64 {
+        self.computer.iter().filter(|fault| fault.at <= by).count() as u64
     }
 
     /// How often something is done to the runtime, or ends.
@@ -212,41 +238,60 @@ fn vehicle_fault(stream: &mut Stream) -> Fault {
     }
 }
 
-fn computer_fault(at: Timestamp, stream: &mut Stream, acts: &mut Vec<(Timestamp, Act)>) {
+/// Draws a fault of our computer, and adds what is done for it.
+fn computer_fault(at: Timestamp, stream: &mut Stream, acts: &mut Vec<(Timestamp, Act)>) -> ToldFault {
     /// How far the computer's clock is set when a new process begins, seconds.
     const CLOCK_STEPS_S: [f64; 8] = [-86_400.0, -3600.0, -70.0, -2.5, 0.2, 30.0, 61.0, 4000.0];
-    let clock = CLOCK_STEPS_S[((stream.uniform() * 8.0) as usize).min(7)];
-    match (stream.uniform() * 6.0) as u32 {
+    let clock_s = CLOCK_STEPS_S[((stream.uniform() * 8.0) as usize).min(7)];
+    let kind = (stream.uniform() * 6.0) as u32;
+    let (least_s, most_s) = match kind {
+        0 | 1 => (0.1, 20.0),
+        2 => (1.0, 30.0),
+        3 => (0.05, 1.0),
+        4 => (1.0, 60.0),
+        _ => (5.0, 120.0),
+    };
+    let lasts = millis(stream, least_s, most_s);
+    let mut act = |after, act| acts.push((at + after, act));
+    let what = match kind {
         0 => {
-            let away = millis(stream, 0.1, 20.0);
-            acts.push((at, Act::Kill { away, clock_step_ns: 0 }));
+            let clock_step_ns = 0;
+            act(
+                Duration::ZERO,
+                Act::Kill {
+                    away: lasts,
+                    clock_step_ns,
+                },
+            );
+            "the runtime is killed".to_owned()
         }
         1 => {
-            let away = millis(stream, 0.1, 20.0);
-            let clock_step_ns = (clock * 1e9) as i64;
-            acts.push((at, Act::Kill { away, clock_step_ns }));
+            let clock_step_ns = (clock_s * 1e9) as i64;
+            act(
+                Duration::ZERO,
+                Act::Kill {
+                    away: lasts,
+                    clock_step_ns,
+                },
+            );
+            format!("the runtime is killed, and starts again with its clock set by {clock_s:+} s")
         }
-        2 => acts.push((
-            at,
-            Act::Stop {
-                lasts: millis(stream, 1.0, 30.0),
-            },
-        )),
-        3 => acts.push((
-            at,
-            Act::Stop {
-                lasts: millis(stream, 0.05, 1.0),
-            },
-        )),
+        2 | 3 => {
+            act(Duration::ZERO, Act::Stop { lasts });
+            "the runtime is stopped".to_owned()
+        }
         4 => {
-            acts.push((at, Act::Hold));
-            acts.push((at + millis(stream, 1.0, 60.0), Act::Release));
+            act(Duration::ZERO, Act::Hold);
+            act(lasts, Act::Release);
+            "the operator holds".to_owned()
         }
         _ => {
-            acts.push((at, Act::DiskFull));
-            acts.push((at + millis(stream, 5.0, 120.0), Act::DiskHasRoom));
+            act(Duration::ZERO, Act::DiskFull);
+            act(lasts, Act::DiskHasRoom);
+            "the disk is full".to_owned()
         }
-    }
+    };
+    ToldFault { at, lasts, what }
 }
 
 fn millis(stream: &mut Stream, least_s: f64, most_s: f64) -> Duration {
@@ -272,6 +317,17 @@ mod tests {
             for fault in &drawn.plan.faults {
                 assert!((30.0..=800.0).contains(&fault.at.as_secs_f64()));
             }
+            // A fault that ends the mission is drawn besides.
+            let all = drawn.plan.faults.len() + drawn.computer.len();
+            assert!((3..=10).contains(&all), "{all} faults");
+            for fault in &drawn.computer {
+                assert!((30.0..=800.0).contains(&fault.at.as_secs_f64()) && !fault.lasts.is_zero());
+            }
+            assert_eq!(
+                drawn.begun(Timestamp::ZERO + Duration::from_secs(1000)),
+                drawn.computer.len() as u64
+            );
+            assert_eq!(drawn.begun(Timestamp::ZERO), 0);
             counts.push(drawn.plan.faults.len());
             acts += drawn.acts();
         }

@@ -212,7 +212,9 @@ impl Prepared {
                 return Ok(None);
             }
         }
-        let (report, trace, mvc) = simulation.finish()?;
+        let now = simulation.now();
+        let (mut report, trace, mvc) = simulation.finish()?;
+        report.faults += interference.map_or(0, |interference| interference.begun(now));
         Ok(Some(Flown { report, trace, mvc }))
     }
 }

@@ -31,7 +31,7 @@ mod stop;
 pub use design::Value;
 pub use error::CampaignError;
 pub use execute::{Ended, Order, Progress, fly};
-pub use faults::{DrawnFaults, Interference};
+pub use faults::{DrawnFaults, Interference, ToldFault};
 pub use file::{Better, CampaignFile};
 pub use flight::{Crew, Flown, Prepared};
 pub use folder::{Folder, RUNS, TIMING};

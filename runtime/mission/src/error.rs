@@ -12,10 +12,20 @@ pub enum MissionError {
         source: std::io::Error,
     },
     /// The folder holds no mission.
-    #[error("{}: no mission here: expected a folder with mission.toml and a fence", path.display())]
+    #[error("{}: no mission here: expected a folder with mission.toml and a fence{}", path.display(), did_you_mean(inside.as_deref()))]
     NoMission {
         /// The path that was given.
         path: PathBuf,
+        /// A mission in this folder.
+        inside: Option<PathBuf>,
+    },
+    /// There is nothing at the path.
+    #[error("{}: no such folder{}", path.display(), did_you_mean(similar.as_deref()))]
+    NoSuchMission {
+        /// The path that was given.
+        path: PathBuf,
+        /// The mission whose path is most like it.
+        similar: Option<PathBuf>,
     },
     /// A file was given in place of a folder.
     #[error("{}: expected a folder with mission.toml and a fence, and this is a file{}", path.display(), of_folder(folder))]
@@ -61,6 +71,10 @@ pub enum MissionError {
         /// The places that were tried, in order.
         looked: String,
     },
+}
+
+fn did_you_mean(path: Option<&Path>) -> String {
+    path.map_or_else(String::new, |path| format!(": did you mean {}?", path.display()))
 }
 
 fn of_folder(folder: &Path) -> String {

@@ -89,9 +89,15 @@ impl Mission {
                     path: folder.to_path_buf(),
                     folder: folder.parent().map(Path::to_path_buf).unwrap_or_default(),
                 }
-            } else {
+            } else if folder.exists() {
                 MissionError::NoMission {
                     path: folder.to_path_buf(),
+                    inside: missions_in(folder).into_iter().next(),
+                }
+            } else {
+                MissionError::NoSuchMission {
+                    path: folder.to_path_buf(),
+                    similar: similar_mission(folder),
                 }
             });
         }
@@ -238,11 +244,52 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
         }
         names.push(format!("--set {set}"));
     }
-    let over = |error: config::ConfigError| MissionError::Layer {
-        layer: names.join(" with "),
-        message: with_new_name(&dotted(&one_line(&error.to_string()))),
+    let over = |error: config::ConfigError| {
+        let mut message = with_new_name(&dotted(&one_line(&error.to_string())));
+        // The first name of a key that `mission.toml` does not know, which may be one of the world.
+        let of_world = |set: &&String| {
+            let first = set.split(['.', '=']).next().unwrap_or_default().trim();
+            message.starts_with(&format!("unknown field `{first}`"))
+        };
+        if let Some(set) = layers.set.iter().find(of_world) {
+            message.push_str(&format!(
+                "; a key of world.toml begins with `world.`: world.{}",
+                set.trim_start()
+            ));
+        }
+        MissionError::Layer {
+            layer: names.join(" with "),
+            message,
+        }
     };
     builder.build().map_err(over)?.try_deserialize().map_err(over)
+}
+
+/// The missions in a folder, by name.
+fn missions_in(folder: &Path) -> Vec<PathBuf> {
+    let listed = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let entries = std::fs::read_dir(listed).into_iter().flatten().filter_map(Result::ok);
+    let mut missions: Vec<PathBuf> = entries
+        .map(|entry| folder.join(entry.file_name()))
+        .filter(|path| path.join("mission.toml").is_file())
+        .collect();
+    missions.sort();
+    missions
+}
+
+/// The mission that somebody may have meant who gave a path at which there is nothing: one of a similar name in the same
+/// folder, or in `missions`.
+fn similar_mission(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let folders = [path.parent()?, Path::new("missions")];
+    folders.iter().flat_map(|folder| missions_in(folder)).find(|mission| {
+        let known = mission.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        crate::unknown::is_like(name, known)
+    })
 }
 
 /// Checks the values that no type checks.

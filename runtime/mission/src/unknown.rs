@@ -19,6 +19,11 @@ pub(crate) fn with_new_name(message: &str) -> String {
     }
 }
 
+/// Whether somebody who wrote one name may have meant the other.
+pub(crate) fn is_like(written: &str, known: &str) -> bool {
+    strsim::jaro_winkler(written, known) >= LIKENESS_MIN
+}
+
 /// A message of the TOML parser or of the fence's reader, with the known name that an unknown one resembles most, in
 /// place of the list of all names. Without such a name, the message as it is.
 #[must_use]
@@ -27,11 +32,17 @@ pub fn with_suggestion(message: &str) -> String {
         return message.to_owned();
     };
     let likeness = |known: &str| strsim::jaro_winkler(unknown.name, known);
+    // Of those that are alike, the one with the fewest letters that differ.
     let nearest = unknown
         .known
         .iter()
-        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)).then_with(|| b.cmp(a)));
-    match nearest.filter(|known| likeness(known) >= LIKENESS_MIN) {
+        .filter(|known| is_like(unknown.name, known))
+        .min_by(|a, b| {
+            let letters = |known: &str| strsim::osa_distance(unknown.name, known);
+            let by_likeness = || likeness(b).total_cmp(&likeness(a)).then_with(|| a.cmp(b));
+            letters(a).cmp(&letters(b)).then_with(by_likeness)
+        });
+    match nearest {
         Some(known) => format!("{}: did you mean `{known}`?{}", unknown.before, unknown.after),
         None => message.to_owned(),
     }
@@ -107,6 +118,10 @@ mod tests {
             (
                 "unknown field `hosts`, expected `host` or `port`",
                 "unknown field `hosts`: did you mean `host`?",
+            ),
+            (
+                "unknown field `at_m`, expected one of `east_m`, `at_s`, `for_s`",
+                "unknown field `at_m`: did you mean `at_s`?",
             ),
             (
                 "unknown field `hosts`, expected `host`",

@@ -113,7 +113,9 @@ pub fn simulate(flight: &Flight<'_>, mut is_interrupted: impl FnMut() -> bool) -
             }
         }
     }
+    let now = simulation.now();
     let (mut report, ..) = simulation.finish()?;
+    report.faults += drawn.map_or(0, |drawn| drawn.begun(now));
     report.wall_seconds = flying.elapsed().as_secs_f64();
     report.load_seconds = load_seconds;
     Ok(report)

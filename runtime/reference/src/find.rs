@@ -34,6 +34,10 @@ pub fn find(asked: &str) -> Found {
     if !whole.is_empty() {
         return Found::Entries(whole);
     }
+    // As `--set` and campaigns name a key of the world.
+    if let (None, Some(of_world)) = (file, key.strip_prefix("world.")) {
+        return find(&format!("world.toml:{of_world}"));
+    }
     let end = format!(".{key}");
     let ends: Vec<_> = all().filter(|(_, entry)| entry.key.ends_with(&end)).collect();
     if !ends.is_empty() {

@@ -10,7 +10,7 @@ use backseat_units::Utc;
 use backseat_viewer::Feed;
 use clap::Args;
 use tokio::sync::mpsc::Receiver;
-use tracing::info;
+use tracing::{error, info};
 
 use crate::state::State;
 
@@ -133,7 +133,16 @@ impl Console {
         state: &State,
     ) -> Result<Attached> {
         let viewers = self.viewers.map(|address| viewers(address, mission, utc)).transpose()?;
-        let Some(listener) = self.page else {
+        let path = state.hold_path().with_file_name("console.token");
+        // A full disk stops no run: it goes on without what only shows it.
+        let page = self.page.and_then(|page| match Token::create(&path) {
+            Ok(token) => Some((page, token)),
+            Err(why) => {
+                error!("no console, the run goes on without: {}: {why}", path.display());
+                None
+            }
+        });
+        let Some((listener, token)) = page else {
             return Ok(Attached {
                 listener: viewers.map(|viewers| -> backseat_recorder::Listener {
                     Box::new(move |now, topic, data| viewers.tell(now, topic, data))
@@ -147,8 +156,6 @@ impl Console {
             operator: true,
             ..about(kind, mission, utc)
         };
-        let path = state.hold_path().with_file_name("console.token");
-        let token = Token::create(&path).with_context(|| path.display().to_string())?;
         let hub = Hub::new(&about, Limits::LIVE);
         let feed = hub.listen(Teller::new(about.budgets()))?;
         let url = listener.url();

@@ -4,6 +4,7 @@ mod clock;
 mod network;
 
 use std::fs;
+use std::io::ErrorKind;
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
@@ -17,6 +18,7 @@ use crate::arguments::MissionArguments;
 use crate::check::machine::{Room, RoomForLogs, STATE_ROOM, in_words, writable};
 use crate::lock::{program_sha256, read_components};
 use crate::output::say;
+use crate::owner::explained;
 use crate::run::host_and_port;
 use crate::state::State;
 
@@ -95,8 +97,11 @@ pub(crate) fn doctor(arguments: &Doctor) -> Result<bool> {
     }
     findings.extend(plugins(&mission, arguments.mission.plugins.as_deref()));
     if !arguments.offline {
-        let given = arguments.connect.as_ref().unwrap_or(&mission.file.vehicle.address);
-        match host_and_port(given, "vehicle.address") {
+        let (given, place) = match &arguments.connect {
+            Some(address) => (address, "--connect"),
+            None => (&mission.file.vehicle.address, "vehicle.address"),
+        };
+        match host_and_port(given, place) {
             Ok(address) => findings.extend(network::vehicle(&address)),
             Err(error) => findings.push(Finding::new("vehicle", Word::Bad, format!("{error:#}"))),
         }
@@ -184,6 +189,17 @@ fn private(folder: &Path) -> Finding {
             folder.display()
         );
         return Finding::new("state", Word::Odd, text);
+    }
+    // As a run opens them. An earlier run may have been another user's.
+    let of_others =
+        State::files(folder)
+            .into_iter()
+            .find_map(|path| match fs::OpenOptions::new().write(true).open(&path) {
+                Err(error) if error.kind() == ErrorKind::PermissionDenied => Some(explained(&path, error)),
+                _ => None,
+            });
+    if let Some(error) = of_others {
+        return Finding::new("state", Word::Bad, format!("{error:#}"));
     }
     Finding::new("state", Word::Ok, format!("{} is ours", folder.display()))
 }

@@ -16,6 +16,8 @@ use backseat_units::Timestamp;
 const AGAIN_AFTER: Duration = Duration::from_secs(30);
 /// Lines are at least this far apart.
 const APART: Duration = Duration::from_secs(1);
+/// A vehicle that has said nothing for this time after a connection may be none.
+const SILENCE: Duration = Duration::from_secs(5);
 /// The status while requests can be sent.
 const GRANTED: [&str; 2] = ["has control", "steering"];
 
@@ -29,6 +31,8 @@ pub(crate) struct Helm {
     times: f64,
     /// The vehicle's clock runs at another rate than ours.
     clock_is_off: bool,
+    /// When the connection came, while nothing has been heard on it.
+    unheard: Option<Timestamp>,
     /// The reason in the last status.
     reason: Option<String>,
     /// The reason that was printed last, and when.
@@ -43,9 +47,15 @@ impl Helm {
             hold,
             times,
             clock_is_off: false,
+            unheard: None,
             reason: None,
             told: None,
         }
+    }
+
+    /// The vehicle has sent something.
+    pub(crate) const fn heard(&mut self) {
+        self.unheard = None;
     }
 
     /// Why nothing steers, as the last status said it; `None` if something may.
@@ -74,6 +84,9 @@ impl Helm {
                 if soon { None } else { self.tell(now, reason.text()) }
             }
             Note::Control { .. } | Note::LinkUp | Note::LinkDown { .. } => {
+                if !matches!(note, Note::Control { .. }) {
+                    self.unheard = matches!(note, Note::LinkUp).then_some(now);
+                }
                 (self.reason, self.told) = (None, None);
                 None
             }
@@ -106,6 +119,16 @@ impl Helm {
     pub(crate) fn sent(&mut self, now: Timestamp, sentence: &[u8]) -> Option<String> {
         if !sentence.starts_with(b"$BPSTS,") {
             return None;
+        }
+        if self
+            .unheard
+            .is_some_and(|since| now.since(since) >= self.scaled(SILENCE))
+        {
+            self.unheard = None;
+            return Some(
+                "connected, and nothing heard since: is a vehicle at this address, and does it serve payloads?"
+                    .to_owned(),
+            );
         }
         let text = status_text(sentence)?;
         // What follows the semicolon is about the sonars.
@@ -272,6 +295,21 @@ mod tests {
         );
         assert_eq!(told(&mut helm(), 0, &["has control", "steering", "steering"]), []);
         assert_eq!(helm().reason(), None);
+    }
+
+    #[test]
+    fn a_server_that_says_nothing_may_be_no_vehicle() {
+        let silent = |heard: bool| {
+            let mut helm = helm();
+            helm.noted(Timestamp::from_secs(1), &Note::LinkUp);
+            if heard {
+                helm.heard();
+            }
+            let lines = told(&mut helm, 1, &["the mission is not running"; 20]);
+            let asked = |(_, line): &&(u64, String)| line.contains("nothing heard since");
+            lines.iter().filter(asked).map(|(at_s, _)| *at_s).collect::<Vec<_>>()
+        };
+        assert_eq!((silent(false), silent(true)), (vec![6], vec![]));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use backseat_core::{Operator, Reservation};
 use tokio::sync::mpsc::UnboundedSender;
 
 use crate::aside;
-use crate::state::{HoldWatch, State};
+use crate::state::{HoldWatch, Seen, State};
 
 /// How often the thread checks whether the operator has created or deleted the hold's file.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
@@ -30,6 +30,8 @@ pub(crate) enum Kept {
     NotHeld(anyhow::Error),
     /// The operator has created or deleted the hold's file.
     Act(Operator),
+    /// Nobody can tell whether the hold's file exists, and why: a hold.
+    Blind(String),
     /// Nothing is written any more: the thread has panicked.
     Gone,
 }
@@ -146,13 +148,16 @@ fn serve(state: &State, mut watch: HoldWatch, shared: &Shared, kept: &UnboundedS
         // The hold comes first, because a person waits for it.
         if let Some(held) = held {
             let result = state.set_held(held);
-            watch.follow(state);
+            watch.follow(state, held);
             tell(match result {
                 Ok(()) => Kept::Held,
                 Err(error) => Kept::NotHeld(error),
             });
-        } else if let Some(act) = watch.look(state) {
-            tell(Kept::Act(act));
+        } else if let Some(seen) = watch.look(state) {
+            tell(match seen {
+                Seen::Act(act) => Kept::Act(act),
+                Seen::Blind(why) => Kept::Blind(why),
+            });
         }
         if let Some(reservation) = reserve {
             tell(match state.reserve(&reservation) {

@@ -5,7 +5,18 @@ use std::io::{Error, ErrorKind};
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-/// The error with its path. If access was denied, it also says whose the file or its folder is, and who asked.
+/// What to do about an error.
+const TO_DO: [(ErrorKind, &str); 4] = [
+    (ErrorKind::AlreadyExists, "expected a folder, and this is a file"),
+    (ErrorKind::NotADirectory, "expected a folder, and this is in a file"),
+    (ErrorKind::StorageFull, "make room on its disk"),
+    (
+        ErrorKind::ReadOnlyFilesystem,
+        "choose a folder on a disk that can be written",
+    ),
+];
+
+/// The error with its path, and with what to do about it. If access was denied, it also says whose the file or its folder is, and who asked.
 pub(crate) fn explained(path: &Path, error: Error) -> anyhow::Error {
     let place = path.display();
     let asked = rustix::process::geteuid().as_raw();
@@ -17,7 +28,7 @@ pub(crate) fn explained(path: &Path, error: Error) -> anyhow::Error {
             let owner = user(found.uid());
             let asked = user(asked);
             if there == path {
-                format!("{place} belongs to {owner}, and this program runs as {asked}")
+                format!("{place} belongs to {owner}, and this program runs as {asked}: chown {asked} {place}")
             } else {
                 format!(
                     "{place}: {} belongs to {owner}, and this program runs as {asked}",
@@ -25,7 +36,10 @@ pub(crate) fn explained(path: &Path, error: Error) -> anyhow::Error {
                 )
             }
         }
-        _ => place.to_string(),
+        _ => {
+            let to_do = TO_DO.iter().find(|(kind, _)| *kind == error.kind());
+            to_do.map_or_else(|| place.to_string(), |(_, to_do)| format!("{place}: {to_do}"))
+        }
     };
     anyhow::Error::new(error).context(what)
 }

@@ -29,6 +29,8 @@ const FAREWELL: Duration = Duration::from_secs(2);
 
 /// The log of a run while it is being written.
 pub(crate) struct Recording {
+    /// What messages call the file.
+    name: String,
     /// `None` once the disk has failed: a full disk stops the log, not the vehicle.
     recorder: Option<Recorder<Queue>>,
     /// Tells a listener what happens, whatever the disk does. It writes nothing.
@@ -90,6 +92,7 @@ impl Recording {
         let disk = Arc::new(Disk::default());
         let (queue, ended) = queue(Arc::clone(&disk), || Ok(file))?;
         Ok(Self {
+            name: name.clone(),
             recorder: Some(Recorder::named(queue, name, header)?),
             teller: None,
             disk,
@@ -128,6 +131,7 @@ impl Recording {
         info!("the log goes on in {name}");
         // The thread of the part before ends by itself.
         self.ended = ended;
+        self.name.clone_from(&name);
         let turned = recorder.turn(queue, name);
         self.disk.part.store(0, Ordering::Relaxed);
         turned
@@ -144,7 +148,10 @@ impl Recording {
         }
         let Some(recorder) = &mut self.recorder else { return };
         if let Some(failure) = self.disk.failure() {
-            error!("the log ends here, the run continues: {failure}");
+            error!(
+                "the log ends here, the run continues: {}: {failure}; the log does not begin again, also when there is room",
+                self.name
+            );
             self.recorder = None;
             return;
         }
@@ -171,7 +178,7 @@ impl Recording {
             None => act(recorder),
         };
         if let Err(error) = result.and_then(|()| self.turn(now)) {
-            error!("the log ends here, the run continues: {error}");
+            error!("the log ends here, the run continues: {error}; the log does not begin again");
             self.recorder = None;
         }
     }

@@ -1,5 +1,6 @@
 //! The driver at sea: core on a real clock, a TCP link, and plugins on threads of their own.
 
+mod alone;
 pub(crate) mod driver;
 mod notes;
 pub(crate) mod shadow;
@@ -11,17 +12,19 @@ use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use backseat_core::{Core, Grant, Start};
+use backseat_lock::LOCK;
 use backseat_mission::Mission;
 use backseat_plugin_host::{Host, Origin};
 use backseat_plugin_loader::{Loaded, load_plugins};
 use backseat_recorder::{Header, Listener, Rate};
-use backseat_units::Timestamp;
+use backseat_units::{Timestamp, Utc};
 use clap::Args;
 use tokio::sync::mpsc::unbounded_channel;
 use tracing::{info, warn};
 
 use crate::arguments::MissionArguments;
 use crate::cache::host;
+use crate::check::machine::{implausible, is_plausible};
 use crate::clock::Clock;
 use crate::external::Ports;
 use crate::helm::Helm;
@@ -34,6 +37,7 @@ use crate::operator::Signals;
 use crate::owner::explained;
 use crate::plugins::Crew;
 use crate::recording::Recording;
+use crate::run::alone::Alone;
 use crate::run::driver::{Around, Driver, Inbox};
 use crate::run::shadow::Shadows;
 use crate::run::swaps::Swaps;
@@ -116,7 +120,13 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         .transpose()?;
     if let Some(locked) = &locked {
         // Nothing of a component runs before this.
-        locked.compare(&mission, &read_components(&mission, plugins)?)?;
+        let compared = locked.compare(&mission, &read_components(&mission, plugins)?);
+        compared.map_err(|error| match settings(&arguments.mission.layers().set) {
+            Some(settings) => error.context(format!("{settings} changes the mission: leave it out")),
+            None => error,
+        })?;
+    } else if mission.folder.join(LOCK).exists() {
+        info!("{LOCK} is there: without --locked NAME.pub nothing is compared with it");
     }
     let host = host(&arguments.mission)?;
     // The cache is read and written before the loop begins, and a disk that hangs is waited for only briefly: a runtime
@@ -131,8 +141,11 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let shadows = Shadows::start(&arguments.shadows, &host, &mission, allowed.as_ref())?;
     let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
     let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
+    let _alone = arguments.arm.then(|| Alone::claim(&address)).transpose()?;
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
+    look_at_clock(clock.utc_at_start(), &mission, arguments.arm)?;
+    info!("state: {}", folder.display());
     let log = log_in(&arguments.log, &mission);
     #[cfg(feature = "console")]
     let (listener, signals) = {
@@ -157,7 +170,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         loaded.origins.len() - cached
     );
     if identifiers.is_none() && names_requests(&mission) {
-        info!(
+        warn!(
             "no record of SPI identifiers at {}: tracklines, circles, GPS hits and acoustic packets are off; begin a \
              record with --first-identifier N",
             state.identifiers_path().display()
@@ -176,8 +189,16 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
             state.hold_path().display()
         );
     }
-    if !start.armed {
+    if start.armed {
+        info!("armed: plugins may steer the vehicle at {address}");
+    } else {
         info!("not armed: nothing that steers will be sent; to arm, use --arm");
+    }
+    if mission.plan.is_some() {
+        info!(
+            "the vehicle's plan will be compared with [plan] in its elements and places; a vehicle reports no depths and \
+             no speeds, so those are not compared"
+        );
     }
     recorder.record(Timestamp::ZERO, |recorder| recorder.start(&start));
     if let Some(signed) = signed {
@@ -248,6 +269,30 @@ impl Dive<'_> {
         let driver = Driver::new(core, clock, self.address, around, names);
         Ok((driver, Inbox { answers, kept }))
     }
+}
+
+/// Looks at a clock that cannot be right. The zones of the fence that are valid for a time depend on it.
+fn look_at_clock(now: Utc, mission: &Mission, armed: bool) -> Result<()> {
+    if is_plausible(now) {
+        return Ok(());
+    }
+    let wrong = implausible(now);
+    if armed && mission.envelope.fence().changes() {
+        bail!(
+            "this computer's clock: {wrong}; zones of the fence are valid for a time, so a run that is armed needs it"
+        );
+    }
+    warn!("this computer's clock: {wrong}; the log has that time");
+    Ok(())
+}
+
+/// What changes a mission from outside of its files, if anything does.
+fn settings(sets: &[String]) -> Option<String> {
+    let variables = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
+    let ours = variables.filter(|name| name.starts_with("BACKSEAT__"));
+    let sets = sets.iter().map(|set| format!("--set {set}"));
+    let all: Vec<String> = sets.chain(ours).collect();
+    (!all.is_empty()).then(|| all.join(" with "))
 }
 
 /// Whether any plugin may make requests that need an identifier.

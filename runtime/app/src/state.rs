@@ -76,6 +76,11 @@ impl State {
         }
     }
 
+    /// The files that a run of a folder writes.
+    pub(crate) fn files(folder: &Path) -> [PathBuf; 4] {
+        [LOCK, VEHICLE, IDENTIFIERS, "hold"].map(|name| folder.join(name))
+    }
+
     /// Whether a runtime uses a folder.
     pub(crate) fn is_in_use(folder: &Path) -> Result<bool> {
         let path = folder.join(LOCK);
@@ -199,12 +204,22 @@ impl State {
         self.hold_file().unwrap_or(true)
     }
 
-    /// Whether the hold's file exists; `None` where that cannot be determined.
-    fn hold_file(&self) -> Option<bool> {
-        let there = self.hold_path().try_exists().ok()?;
+    /// Whether the hold's file exists.
+    ///
+    /// # Errors
+    /// If that cannot be determined, in words.
+    fn hold_file(&self) -> Result<bool, String> {
+        let exists = |path: &Path| {
+            path.try_exists()
+                .map_err(|error| format!("{}: {error}", path.display()))
+        };
+        let there = exists(&self.hold_path())?;
         // If our lock file is missing, this is not the folder that was opened: it was unmounted or removed as a whole.
-        let ours = there || self.folder.join(LOCK).try_exists().ok()?;
-        ours.then_some(there)
+        if there || exists(&self.folder.join(LOCK))? {
+            Ok(there)
+        } else {
+            Err(format!("{}: the folder is gone, or another one", self.folder.display()))
+        }
     }
 
     pub(crate) fn hold_path(&self) -> PathBuf {
@@ -246,24 +261,61 @@ impl State {
 #[derive(Debug)]
 pub(crate) struct HoldWatch {
     there: bool,
+    /// How many looks in a row could not tell whether the file exists.
+    blind: u32,
+    /// For that there is a hold, which nobody has released since.
+    held_blind: bool,
 }
+
+/// What a look at the hold's file has found.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Seen {
+    /// The operator has created or deleted it.
+    Act(Operator),
+    /// Nobody can tell whether it exists, and why. The operator may be trying to hold, so this is a hold.
+    Blind(String),
+}
+
+/// So many looks in a row that cannot tell are a hold. One of them may be of a moment.
+const BLIND_MAX: u32 = 2;
 
 impl HoldWatch {
     /// Starts from whether the run began with a hold, so that a later creation or deletion of the file is a change.
     pub(crate) const fn new(held: bool) -> Self {
-        Self { there: held }
+        Self {
+            there: held,
+            blind: 0,
+            held_blind: false,
+        }
     }
 
     /// The operator's act since the last call, if there was one.
-    pub(crate) fn look(&mut self, state: &State) -> Option<Operator> {
-        let there = state.hold_file()?;
+    pub(crate) fn look(&mut self, state: &State) -> Option<Seen> {
+        let there = match state.hold_file() {
+            Ok(there) => there,
+            Err(why) => {
+                self.blind = self.blind.saturating_add(1);
+                if self.blind != BLIND_MAX || self.there {
+                    return None;
+                }
+                self.held_blind = true;
+                return Some(Seen::Blind(why));
+            }
+        };
+        self.blind = 0;
+        if std::mem::take(&mut self.held_blind) && !there {
+            // The hold stands until somebody releases it, and the file says so from now on.
+            self.there = state.set_held(true).is_ok();
+            return None;
+        }
         let changed = there != self.there;
         self.there = there;
-        changed.then_some(if there { Operator::Hold } else { Operator::Release })
+        changed.then_some(Seen::Act(if there { Operator::Hold } else { Operator::Release }))
     }
 
-    /// Notes that the runtime has written or removed the file, or has failed to.
-    pub(crate) fn follow(&mut self, state: &State) {
+    /// Notes that the runtime has written the file, for a hold, or removed it, or has failed to.
+    pub(crate) fn follow(&mut self, state: &State, held: bool) {
+        self.held_blind &= held;
         self.there = state.hold_file().unwrap_or(self.there);
     }
 }
@@ -312,22 +364,22 @@ mod tests {
         assert_eq!(watch.look(&state), None);
         let file = folder.path().join("hold");
         fs::write(&file, "").unwrap();
-        assert_eq!(watch.look(&state), Some(Operator::Hold));
+        assert_eq!(watch.look(&state), Some(Seen::Act(Operator::Hold)));
         // The response to it writes the file again, which is no further act.
         state.set_held(true).unwrap();
-        watch.follow(&state);
+        watch.follow(&state, true);
         assert_eq!(watch.look(&state), None);
         fs::remove_file(&file).unwrap();
-        assert_eq!(watch.look(&state), Some(Operator::Release));
+        assert_eq!(watch.look(&state), Some(Seen::Act(Operator::Release)));
         state.set_held(false).unwrap();
-        watch.follow(&state);
+        watch.follow(&state, false);
         assert_eq!(watch.look(&state), None);
         // After a hold by other means the runtime has written the file, and the operator deletes it.
         state.set_held(true).unwrap();
-        watch.follow(&state);
+        watch.follow(&state, true);
         assert_eq!(watch.look(&state), None);
         fs::remove_file(&file).unwrap();
-        assert_eq!(watch.look(&state), Some(Operator::Release));
+        assert_eq!(watch.look(&state), Some(Seen::Act(Operator::Release)));
     }
 
     #[test]
@@ -355,13 +407,53 @@ mod tests {
     }
 
     #[test]
+    fn sr_015_a_folder_that_cannot_be_seen_is_a_hold() {
+        let folder = tempfile::tempdir().unwrap();
+        let opened = folder.path().join("state");
+        let state = State::open(&opened, None).unwrap();
+        let mut watch = HoldWatch::new(state.held());
+        let elsewhere = folder.path().join("elsewhere");
+        fs::rename(&opened, &elsewhere).unwrap();
+        // A moment is none.
+        assert_eq!(watch.look(&state), None);
+        fs::rename(&elsewhere, &opened).unwrap();
+        assert_eq!(watch.look(&state), None);
+        fs::rename(&opened, &elsewhere).unwrap();
+        assert_eq!(watch.look(&state), None);
+        let Some(Seen::Blind(why)) = watch.look(&state) else {
+            panic!()
+        };
+        assert!(why.ends_with("state: the folder is gone, or another one"), "{why}");
+        // As the loop has the hold kept, which fails.
+        assert!(state.set_held(true).is_err());
+        watch.follow(&state, true);
+        assert_eq!(watch.look(&state), None);
+        // The folder is back. The hold stands until the operator deletes its file.
+        fs::rename(&elsewhere, &opened).unwrap();
+        assert_eq!(watch.look(&state), None);
+        assert!(state.held());
+        assert_eq!(watch.look(&state), None);
+        fs::remove_file(state.hold_path()).unwrap();
+        assert_eq!(watch.look(&state), Some(Seen::Act(Operator::Release)));
+        // Who releases by other means before it is back has released.
+        fs::rename(&opened, &elsewhere).unwrap();
+        assert_eq!(watch.look(&state), None);
+        assert!(matches!(watch.look(&state), Some(Seen::Blind(_))));
+        watch.follow(&state, true);
+        watch.follow(&state, false);
+        fs::rename(&elsewhere, &opened).unwrap();
+        assert_eq!(watch.look(&state), None);
+        assert!(!state.held());
+    }
+
+    #[test]
     fn sr_015_a_hold_that_could_not_be_kept_is_not_released_for_want_of_its_file() {
         let folder = tempfile::tempdir().unwrap();
         let state = State::open(folder.path(), None).unwrap();
         let mut watch = HoldWatch::new(state.held());
         fs::remove_dir_all(folder.path()).unwrap();
         assert!(state.set_held(true).is_err());
-        watch.follow(&state);
+        watch.follow(&state, true);
         assert_eq!(watch.look(&state), None);
     }
 }

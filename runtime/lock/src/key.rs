@@ -15,6 +15,8 @@ const PUBLIC: &str = "backseat public key 1";
 const KEY_MAX: u64 = 4096;
 /// How a key is made.
 const MAKE: &str = "make a pair of keys with `backseat key NAME`";
+/// Where a public key comes from.
+const COPY: &str = "copy the .pub of whoever signed the mission there; `backseat key NAME` makes a pair";
 
 /// The key with which a person signs.
 pub struct SecretKey(SigningKey);
@@ -120,8 +122,8 @@ impl PublicKey {
             path: path.to_path_buf(),
             expected: "public",
         };
+        let about = std::fs::metadata(path).map_err(|source| LockError::read(path, COPY, source))?;
         let bytes = read(path, PUBLIC, "public")?;
-        let about = std::fs::metadata(path).map_err(|source| LockError::read(path, MAKE, source))?;
         if about.permissions().mode() & 0o022 != 0 {
             return Err(LockError::Writable {
                 path: path.to_path_buf(),

@@ -156,7 +156,7 @@ impl Report {
         let cut = if self.complete || self.refused.is_some() {
             ""
         } else {
-            ", cut short: the process was killed, and the log is replayed as far as it goes"
+            ", cut short: the process was killed, or its disk was full; the log is replayed as far as it goes"
         };
         let mut lines = vec![format!("{}{seed}, {:.1} min{cut}", self.mission, self.seconds / 60.0)];
         if self.processes > 1 {

@@ -72,15 +72,12 @@ pub(super) fn findings(mission: &Mission, log: (&Path, RoomForLogs), state: &Pat
             Err(error) => findings.push(format!("{what}: {error:#}")),
         }
     }
-    if now < CLOCK_MIN || now > CLOCK_MAX {
-        findings.push(format!(
-            "clock: the time is {} s since 1970, expected a time from 2025 to 2100",
-            now.as_unix_nanos() / 1_000_000_000
-        ));
+    if !is_plausible(now) {
+        findings.push(format!("clock: {}", implausible(now)));
     } else if let Some((file, ahead)) = written_later(mission, now) {
         findings.push(format!(
-            "clock: {file} was written {} s in the future, so this computer's clock is probably behind; set it",
-            ahead.as_secs()
+            "clock: {file} was written {} in the future, so this computer's clock is probably behind; set it",
+            apart(ahead)
         ));
     }
     if findings.is_empty() {
@@ -92,6 +89,26 @@ pub(super) fn findings(mission: &Mission, log: (&Path, RoomForLogs), state: &Pat
         );
     }
     Ok(findings)
+}
+
+/// Whether a computer's clock can be right.
+pub(crate) fn is_plausible(now: Utc) -> bool {
+    (CLOCK_MIN..=CLOCK_MAX).contains(&now)
+}
+
+/// What is wrong with a clock that cannot be right.
+pub(crate) fn implausible(now: Utc) -> String {
+    let whole = Utc::from_unix_nanos(now.as_unix_nanos() / 1_000_000_000 * 1_000_000_000);
+    format!("the time is {}, expected one from 2025 to 2100: set it", Rfc3339(whole))
+}
+
+/// A long time, as a person says it.
+fn apart(time: Duration) -> String {
+    match time.as_secs() {
+        seconds @ ..7200 => format!("{seconds} s"),
+        seconds @ 7200..172_800 => format!("{} hours", seconds / 3600),
+        seconds => format!("{} days", seconds / 86_400),
+    }
 }
 
 /// What earlier runs, the operator or other programs have left behind that prevents this mission from being flown, one

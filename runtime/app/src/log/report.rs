@@ -69,6 +69,8 @@ struct Asked {
     unanswered: u64,
     /// Cancelled before they began.
     cancelled: u64,
+    /// Another request took their place, or their turn was over, before they were sent.
+    unsent: u64,
     /// Were carried out, and are over.
     ended: u64,
     /// Had no end when the log ended.
@@ -229,6 +231,7 @@ impl Asked {
             failed,
             unanswered,
             cancelled,
+            unsent,
             ended,
             open,
         } = self;
@@ -238,6 +241,7 @@ impl Asked {
             (failed, "failed"),
             (unanswered, "not answered"),
             (cancelled, "cancelled before they began"),
+            (unsent, "replaced before they were sent"),
             (ended, "carried out"),
             (open, "open at the end"),
         ] {
@@ -293,6 +297,8 @@ impl Happened {
 struct Last {
     owner: String,
     state: String,
+    /// Has left for the vehicle.
+    sent: bool,
 }
 
 struct Collect<'a> {
@@ -396,7 +402,9 @@ impl Collect<'_> {
             }
             _ => {}
         }
-        self.last.insert(key, Last { owner, state });
+        let left = matches!(state.as_str(), "sent" | "pending" | "accepted" | "started");
+        let sent = left || self.last.get(&key).is_some_and(|last| last.sent);
+        self.last.insert(key, Last { owner, state, sent });
     }
 
     fn note(&mut self, at_s: f64, note: &Value) {
@@ -486,7 +494,7 @@ impl Collect<'_> {
         if let Some(since_s) = self.granted.take() {
             self.report.control_s += self.report.seconds - since_s;
         }
-        for Last { owner, state } in std::mem::take(&mut self.last).into_values() {
+        for Last { owner, state, sent } in std::mem::take(&mut self.last).into_values() {
             let asked = self.report.asked.entry(owner).or_default();
             asked.all += 1;
             let count = match state.as_str() {
@@ -494,6 +502,7 @@ impl Collect<'_> {
                 "failed" => &mut asked.failed,
                 "timed-out" => &mut asked.unanswered,
                 "cancelled" => &mut asked.cancelled,
+                "ended" if !sent => &mut asked.unsent,
                 "ended" => &mut asked.ended,
                 _ => &mut asked.open,
             };

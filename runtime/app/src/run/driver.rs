@@ -5,7 +5,7 @@ use std::pin::Pin;
 use std::time::Duration;
 
 use anyhow::Result;
-use backseat_core::plugin::Rule;
+use backseat_core::plugin::{PluginId, Rule};
 use backseat_core::{Core, Input, Note, Operator, Output};
 use backseat_recorder::{Recorder, RecorderError};
 use backseat_units::Timestamp;
@@ -100,6 +100,8 @@ pub(crate) struct Driver {
     state_silent: bool,
     /// The kind of the last refusal.
     pub(super) last_refusal: Option<(Rule, String)>,
+    /// The plugin that steers by a lease, as the operator was told.
+    pub(super) steering: Option<PluginId>,
     /// Why the link was lost, until this is logged together with the next attempt to connect.
     pub(super) link_lost: Option<String>,
     recorded_navigation: Option<Timestamp>,
@@ -149,6 +151,7 @@ impl Driver {
             state_asked: None,
             state_silent: false,
             last_refusal: None,
+            steering: None,
             link_lost: None,
             recorded_navigation: None,
             recorded_reach: None,
@@ -251,6 +254,7 @@ impl Driver {
 
     fn received(&mut self, bytes: &[u8]) {
         let now = self.clock.now();
+        self.helm.heard();
         self.feed(Input::Received(bytes));
         // This is for the screen alone, so it comes after what core does with the bytes.
         if let Some(line) = self.rate.received(now, bytes) {
@@ -298,7 +302,7 @@ impl Driver {
 
     /// Handles a result of the keeper, or an operator's act on the hold's file.
     fn kept(&mut self, kept: Kept) {
-        if !matches!(kept, Kept::Act(_) | Kept::Gone) {
+        if !matches!(kept, Kept::Act(_) | Kept::Blind(_) | Kept::Gone) {
             self.state_asked = None;
             if std::mem::take(&mut self.state_silent) {
                 info!("the state folder answers again");
@@ -323,7 +327,18 @@ impl Driver {
                     "the operator's hold or release counts for this run only, because it could not be saved: {error:#}"
                 );
             }
-            Kept::Act(act) => self.operator(act),
+            Kept::Act(act) => {
+                self.told_of(&act, "by the file");
+                self.operator(act);
+            }
+            Kept::Blind(why) => {
+                error!(
+                    "the hold's file cannot be seen, so nobody can hold with it, and this is a hold: {why}; when it can \
+                     be seen again, release with SIGUSR2 or by deleting it"
+                );
+                self.note_asked(&format!("hold, because the hold's file cannot be seen: {why}"));
+                self.operator(Operator::Hold);
+            }
             Kept::Gone => {
                 (self.cannot_reserve, self.state_silent) = (true, true);
                 error!(
@@ -518,8 +533,22 @@ impl Driver {
             let text = format!("{who} at the console: {}", asked.word());
             info!("{text}");
             self.note_asked(&text);
+        } else {
+            self.told_of(&asked.act, "by a signal");
         }
         self.operator(asked.act);
+    }
+
+    /// Has the log say how the operator held or released.
+    fn told_of(&mut self, act: &Operator, how: &str) {
+        let word = match act {
+            Operator::Hold => "hold",
+            Operator::Release => "release",
+            Operator::Stop | Operator::Order(_) => return,
+        };
+        let text = format!("{word} {how}");
+        info!("{text}");
+        self.note_asked(&text);
     }
 
     fn operator(&mut self, act: Operator) {

@@ -2,7 +2,7 @@
 
 use backseat_core::plugin::PluginId;
 use backseat_core::refusal::Uncontrolled;
-use backseat_core::{Note, Operator};
+use backseat_core::{Note, Operator, RequestKind};
 use backseat_units::Timestamp;
 use tracing::{debug, info, warn};
 
@@ -26,6 +26,9 @@ impl Driver {
             self.swap_ended(*plugin, None);
         } else if let Note::PluginNotSwapped { plugin, text } = note {
             self.swap_ended(*plugin, Some(text));
+        }
+        if let Note::LeaseEnded { .. } = note {
+            self.steering = None;
         }
         let told = note.describe(&self.names);
         match note {
@@ -57,6 +60,13 @@ impl Driver {
             }
             Note::Request(transition) => {
                 use backseat_core::plugin::{EndKind, RequestState};
+                if matches!(transition.kind, RequestKind::Modify)
+                    && matches!(transition.state, RequestState::Accepted | RequestState::Unknown)
+                    && let Some(plugin) = transition.owner.plugin()
+                    && self.steering.replace(plugin) != Some(plugin)
+                {
+                    info!("{} steers", self.names[plugin.0]);
+                }
                 match &transition.state {
                     // A plugin that repeats a refused request is reported once.
                     RequestState::Rejected(refusal) => {

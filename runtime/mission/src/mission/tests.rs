@@ -1,3 +1,5 @@
+use std::path::Path;
+
 use backseat_core::Recovery;
 
 use super::*;
@@ -78,6 +80,11 @@ fn faults_name_file_line_and_what_was_expected() {
     assert!(
         flag.contains("--set limits.speed=1") && flag.contains("unknown field"),
         "{flag}"
+    );
+    let world = fault(MISSION, &["current.speed_mps=0.3"]);
+    assert!(
+        world.ends_with("; a key of world.toml begins with `world.`: world.current.speed_mps=0.3"),
+        "{world}"
     );
     assert!(fault(MISSION, &["nonsense"]).contains("expected KEY=VALUE"));
     let twice = fault(
@@ -360,6 +367,29 @@ fn an_external_source_that_makes_no_sense_is_named() {
         let message = with(from, to);
         assert!(message.contains(said), "{message}");
     }
+}
+
+#[test]
+fn a_mission_that_is_not_there_is_named_with_the_one_that_was_meant() {
+    let missions = tempfile::tempdir().unwrap();
+    for name in ["isobath", "plume"] {
+        std::fs::create_dir(missions.path().join(name)).unwrap();
+        std::fs::write(missions.path().join(name).join("mission.toml"), "").unwrap();
+    }
+    let said = |place: &Path| Mission::load(place, &Layers::default()).err().unwrap().to_string();
+    let meant = |name: &str| format!(": did you mean {}?", missions.path().join(name).display());
+    let typo = said(&missions.path().join("isobat"));
+    assert!(
+        typo.contains("isobat: no such folder") && typo.ends_with(&meant("isobath")),
+        "{typo}"
+    );
+    let other = said(&missions.path().join("zzz"));
+    assert!(other.ends_with("zzz: no such folder"), "{other}");
+    let above = said(missions.path());
+    assert!(
+        above.contains("no mission here") && above.ends_with(&meant("isobath")),
+        "{above}"
+    );
 }
 
 #[test]

@@ -20,6 +20,12 @@ fn a_key_is_explained_with_unit_range_default_and_example() {
     ] {
         assert!(told.stdout.contains(part), "{part}: {told}");
     }
+    // As `--set` and campaigns name it.
+    let of_world = Backseat::new()
+        .args(["explain", "world.current.speed_mps"])
+        .run()
+        .exit(0);
+    assert!(of_world.stdout.contains("current.speed_mps"), "{of_world}");
     let misspelt = Backseat::new().args(["explain", "turn_rate"]).run().refusal();
     assert!(misspelt.contains("did you mean limits.turn_rate_dps"), "{misspelt}");
     let list = Backseat::new().arg("explain").run().exit(0);

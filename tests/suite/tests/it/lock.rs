@@ -104,6 +104,11 @@ fn a_locked_mission_runs_only_as_it_was_signed() {
         refused(locked(&mission, "ann.pub"), expected);
         fs::write(&path, before).expect("there is room");
     }
+    // The files are as they were signed, and the command line changes them.
+    refused(
+        locked(&mission, "ann.pub").args(["--set", "limits.speed_max_mps=1.9"]),
+        "--set limits.speed_max_mps=1.9 changes the mission: leave it out: ",
+    );
     for (file, from, to, expected) in [
         (
             "mission.toml",
@@ -151,7 +156,7 @@ fn a_mission_that_is_not_ready_is_not_signed() {
     assert!(!mission.path().join("mission.lock").exists());
     let error = locked(&mission, "bob.pub").run().refusal();
     assert!(
-        error.contains("bob.pub: is not there: make a pair of keys with `backseat key NAME`"),
+        error.contains("bob.pub: is not there: copy the .pub of whoever signed the mission there"),
         "{error}"
     );
     let error = locked(&mission, "ann.pub").run().refusal();

@@ -49,6 +49,13 @@ fn a_run_is_summed_up_by_owner_and_rule() {
         said["requests"]["rejected"].as_u64().unwrap(),
         "{report}"
     );
+    assert_eq!(
+        sum("unsent"),
+        said["requests"]["replaced"].as_u64().unwrap(),
+        "{report}"
+    );
+    // Those of our computer count too, and are told.
+    assert_eq!(said["faults"], 4);
     let refused = report["refused"].as_array().unwrap();
     let times: u64 = refused.iter().map(|refused| refused["times"].as_u64().unwrap()).sum();
     assert_eq!(times, sum("refused"), "{report}");

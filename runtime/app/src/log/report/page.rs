@@ -53,12 +53,13 @@ fn asked(report: &Report) -> Markup {
         table {
             tr {
                 th { "by" } th.n { "requests" } th.n { "refused" } th.n { "failed" } th.n { "not answered" }
-                th.n { "cancelled before" } th.n { "carried out" } th.n { "open at the end" }
+                th.n { "cancelled before" } th.n { "replaced before sent" } th.n { "carried out" } th.n { "open at the end" }
             }
             @for (owner, asked) in &report.asked {
                 tr {
                     td { (owner) } td.n { (asked.all) } td.n { (asked.refused) } td.n { (asked.failed) }
-                    td.n { (asked.unanswered) } td.n { (asked.cancelled) } td.n { (asked.ended) } td.n { (asked.open) }
+                    td.n { (asked.unanswered) } td.n { (asked.cancelled) } td.n { (asked.unsent) }
+                    td.n { (asked.ended) } td.n { (asked.open) }
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use backseat_suite::{Mission, Signal, Vehicle, settle};
+use backseat_suite::{Backseat, Mission, Signal, Vehicle, eventually, settle};
 
 use super::session::{SOON, runtime, steers};
 
@@ -96,4 +96,65 @@ fn the_screen_says_why_nothing_steers_and_what_to_do_about_it() {
         "nothing steers: the runtime is not armed; to arm, start with --arm",
         SOON,
     );
+}
+
+#[test]
+fn sr_015_a_state_folder_that_cannot_be_seen_is_a_hold() {
+    let mission = Mission::steady();
+    let vehicle = Vehicle::start(&mission);
+    let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
+    vehicle.receives("BPRMB", 2, SOON);
+    let (state, elsewhere) = (mission.beside("state"), mission.beside("elsewhere"));
+    std::fs::rename(&state, &elsewhere).unwrap();
+    let line = runtime.says("nobody can hold with it, and this is a hold", SOON);
+    assert!(line.contains("state: the folder is gone"), "{line}");
+    vehicle.receives("BPEMB", 1, SOON);
+    let steered = vehicle.received("BPRMB").len();
+    // The folder is back, and has the hold, which its file releases as always.
+    std::fs::rename(&elsewhere, &state).unwrap();
+    eventually(
+        SOON,
+        || state.join("hold").exists().then_some(()),
+        || "no hold".to_owned(),
+    );
+    settle(Duration::from_secs(2));
+    assert_eq!(vehicle.received("BPRMB").len(), steered, "{}", vehicle.story());
+    std::fs::remove_file(state.join("hold")).unwrap();
+    vehicle.receives("BPRMB", steered + 2, SOON);
+    let said = runtime.stderr();
+    assert!(said.contains("release by the file"), "{said}");
+}
+
+#[test]
+fn a_vehicle_has_one_armed_runtime_whatever_its_state_folder_is() {
+    let mission = Mission::steady();
+    let vehicle = Vehicle::start(&mission);
+    let mut first = runtime(&mission, &vehicle.address, &["--arm"]);
+    first.says("armed: plugins may steer the vehicle at", SOON);
+    vehicle.receives("BPRMB", 1, SOON);
+    let second = |arguments: &[&str]| {
+        Backseat::new()
+            .args(["run", "--connect", &vehicle.address, "--log"])
+            .arg(mission.beside("other-logs"))
+            .arg("--state")
+            .arg(mission.beside("other-state"))
+            .args(arguments.iter().copied())
+            .mission(&mission)
+            .spawn()
+    };
+    let mut refused = second(&["--arm"]);
+    assert_eq!(refused.wait(SOON), Some(2), "{}", refused.stderr());
+    let said = refused.stderr();
+    assert!(
+        said.contains("another runtime on this computer is armed for this vehicle"),
+        "{said}"
+    );
+    // Who only listens disturbs nobody.
+    second(&[]).says("not armed: nothing that steers will be sent", SOON);
+    // A killed runtime stands in nobody's way.
+    first.kill();
+    let steered = vehicle.received("BPRMB").len();
+    let third = second(&["--arm"]);
+    vehicle.receives("BPRMB", steered + 1, SOON);
+    third.says("pilot steers", SOON);
 }

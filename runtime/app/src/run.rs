@@ -145,7 +145,6 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
     look_at_clock(clock.utc_at_start(), &mission, arguments.arm)?;
-    info!("state: {}", folder.display());
     let log = log_in(&arguments.log, &mission);
     #[cfg(feature = "console")]
     let (listener, signals) = {
@@ -163,6 +162,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         clock.utc_at_start(),
     );
     let mut recorder = open_log(&log, &mission, None, &loaded, &clock, listener)?.in_parts(parts);
+    info!("state: {}", folder.display());
     let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
     LogRoom::new(current, &mission.name, arguments.log_quota).watch()?;
     info!(

@@ -63,7 +63,7 @@ fn a_wrong_value_is_named_with_what_was_expected() {
 #[test]
 fn what_is_not_there_is_named() {
     let line = Backseat::new().args(["sim", "no/such/mission"]).run().refusal();
-    names(&line, &["no/such/mission", "expected a folder with mission.toml"]);
+    names(&line, &["no/such/mission", "no such folder"]);
     names(
         &refusal(&Mission::steady().without("mission.toml")),
         &["steady", "mission.toml"],

@@ -144,7 +144,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let _alone = arguments.arm.then(|| Alone::claim(&address)).transpose()?;
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
-    look_at_clock(clock.utc_at_start(), &mission, arguments.arm)?;
+    look_at_clock(clock.utc_at_start(), mission.envelope.fence().changes(), arguments.arm)?;
     let log = log_in(&arguments.log, &mission);
     #[cfg(feature = "console")]
     let (listener, signals) = {
@@ -271,13 +271,13 @@ impl Dive<'_> {
     }
 }
 
-/// Looks at a clock that cannot be right. The zones of the fence that are valid for a time depend on it.
-fn look_at_clock(now: Utc, mission: &Mission, armed: bool) -> Result<()> {
+/// Looks at a clock that cannot be right. Zones of the fence that are valid for a time depend on it, if it has any.
+fn look_at_clock(now: Utc, zones_change: bool, armed: bool) -> Result<()> {
     if is_plausible(now) {
         return Ok(());
     }
     let wrong = implausible(now);
-    if armed && mission.envelope.fence().changes() {
+    if armed && zones_change {
         bail!(
             "this computer's clock: {wrong}; zones of the fence are valid for a time, so a run that is armed needs it"
         );
@@ -351,4 +351,24 @@ pub(crate) fn open_log(
         },
         listener,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_impossible_date_arms_nothing_whose_fence_depends_on_it() {
+        let lost_power = Utc::from_unix_nanos(27_000_000_000_000);
+        let right = Utc::from_unix_nanos(1_780_000_000_000_000_000);
+        for (zones_change, armed) in [(false, false), (false, true), (true, false), (true, true)] {
+            assert!(look_at_clock(right, zones_change, armed).is_ok());
+            let looked = look_at_clock(lost_power, zones_change, armed);
+            assert_eq!(looked.is_err(), zones_change && armed);
+            if let Err(error) = looked {
+                let text = error.to_string();
+                assert!(text.contains("the time is 1970-01-01T07:30:00"), "{text}");
+            }
+        }
+    }
 }

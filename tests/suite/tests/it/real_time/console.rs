@@ -208,3 +208,14 @@ fn a_flight_is_shown_to_viewers() {
     flight.signal(backseat_suite::Signal::INT);
     assert_eq!(flight.wait(SOON), Some(0), "{}", flight.stderr());
 }
+
+#[test]
+fn a_run_goes_on_without_a_console_where_its_token_has_no_room() {
+    let mission = Mission::steady();
+    let vehicle = Scripted::start(Behavior::default());
+    // A folder in its place prevents the token as a full disk does.
+    std::fs::create_dir_all(mission.beside("state/console.token")).expect("there is room");
+    let process = runtime(&mission, &vehicle.address, &["--arm", "--console=127.0.0.1:0"]);
+    process.says("no console, the run goes on without", SOON);
+    vehicle.hears("BPRMB", 3, SOON);
+}

@@ -1,4 +1,4 @@
-//! Whose a file is, for errors about permissions.
+//! Errors about files: whose a file is, and what to do.
 
 use std::fs;
 use std::io::{Error, ErrorKind};
@@ -16,7 +16,8 @@ const TO_DO: [(ErrorKind, &str); 4] = [
     ),
 ];
 
-/// The error with its path, and with what to do about it. If access was denied, it also says whose the file or its folder is, and who asked.
+/// The error with its path, and with what to do about it. If access was denied, it also says whose the file or its
+/// folder is, and who asked.
 pub(crate) fn explained(path: &Path, error: Error) -> anyhow::Error {
     let place = path.display();
     let asked = rustix::process::geteuid().as_raw();

@@ -69,7 +69,7 @@ struct Asked {
     unanswered: u64,
     /// Cancelled before they began.
     cancelled: u64,
-    /// Another request took their place, or their turn was over, before they were sent.
+    /// Ended before they were sent: another request took their place, or they were withdrawn.
     unsent: u64,
     /// Were carried out, and are over.
     ended: u64,
@@ -241,7 +241,7 @@ impl Asked {
             (failed, "failed"),
             (unanswered, "not answered"),
             (cancelled, "cancelled before they began"),
-            (unsent, "replaced before they were sent"),
+            (unsent, "replaced or withdrawn before they were sent"),
             (ended, "carried out"),
             (open, "open at the end"),
         ] {

@@ -53,7 +53,7 @@ fn asked(report: &Report) -> Markup {
         table {
             tr {
                 th { "by" } th.n { "requests" } th.n { "refused" } th.n { "failed" } th.n { "not answered" }
-                th.n { "cancelled before" } th.n { "replaced before sent" } th.n { "carried out" } th.n { "open at the end" }
+                th.n { "cancelled before" } th.n { "ended unsent" } th.n { "carried out" } th.n { "open at the end" }
             }
             @for (owner, asked) in &report.asked {
                 tr {

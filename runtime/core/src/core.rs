@@ -68,9 +68,6 @@ impl Core {
             whereabouts: Whereabouts::default(),
             unjudged: false,
         };
-        if !core.cx.vehicle.previous_run.is_none() {
-            core.cx.vehicle.courses.leave_plan();
-        }
         core.cx.outbox.push(Output::Connect { after: Duration::ZERO });
         core.cx.reserve();
         core.settle();

@@ -52,6 +52,7 @@ pub(crate) struct Vehicle {
 impl Vehicle {
     pub(crate) fn new(frame: LocalFrame, limits: &Limits, identifiers: Option<Identifiers>) -> Self {
         let station = limits.station.as_ref();
+        let previous_run = PreviousRun::new(identifiers);
         Self {
             navigation: Tracker::new(frame, limits),
             relative: Track::new(limits, station.is_some_and(|station| station.hull_box.is_some())),
@@ -60,9 +61,9 @@ impl Vehicle {
             plan: Plan::default(),
             compared: Compared::default(),
             phase: Phase::default(),
-            courses: Courses::default(),
+            courses: Courses::new(!previous_run.is_none()),
             named_insert: NamedInsert::default(),
-            previous_run: PreviousRun::new(identifiers),
+            previous_run,
             suspended: Vec::new(),
             silent: false,
         }
@@ -90,7 +91,6 @@ impl Vehicle {
     /// A message was lost. It may have been the begin or the end of what is flown.
     pub(crate) fn invalidate_after_loss(&mut self) {
         self.plan.invalidate_after_loss();
-        self.courses.invalidate_after_loss();
         self.previous_run.invalidate_after_loss();
         self.named_insert.invalidate_after_loss();
     }

@@ -3,6 +3,7 @@
 use backseat_spi::Acknowledgement;
 
 use super::Core;
+use super::course;
 use super::samples::tell_of_plan;
 use crate::context::Context;
 use crate::ended::EndCause;
@@ -50,10 +51,7 @@ impl Core {
         // No BPEMB reaches the vehicle: its own time limit ends the modify (safety requirement 007).
         cx.link.end();
         cx.vehicle.previous_run.link_lost();
-        if cx.ledger.interrupts() {
-            cx.vehicle.courses.leave_plan();
-        }
-        cx.vehicle.courses.invalidate_after_loss();
+        course::lost(cx);
         capabilities.end_leases(cx, Uncontrolled::LinkDown);
         cx.control.forget();
         cx.link.commands.clear();

@@ -14,13 +14,27 @@ pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<Be
     let Some(flown) = identifier.map(Flown::Inserted).or(planned) else {
         return;
     };
-    let here = cx.outlook().begins_here();
-    cx.vehicle.courses.began(cx.now, flown, here);
+    // Where an insert begins that is not ours does not matter, because nothing of ours steers while it is flown.
+    let ours = identifier.is_none_or(|identifier| cx.ledger.by_identifier(identifier).is_some());
+    if ours && cx.vehicle.courses.may_have_begun_unheard(flown) {
+        cx.vehicle.courses.resumed(flown);
+    } else {
+        let here = cx.outlook().begins_here();
+        cx.vehicle.courses.began(cx.now, flown, here);
+    }
     let insert = |identifier| cx.ledger.get(cx.ledger.by_identifier(identifier)?)?.insert;
     // An insert that this process does not know may have interrupted too.
     if identifier.is_some_and(|identifier| insert(identifier).is_none_or(|insert| insert.interrupt)) {
         cx.vehicle.courses.leave_plan();
     }
+}
+
+/// A message or the link was lost. An insert that interrupts may have begun and ended meanwhile.
+pub(super) fn lost(cx: &mut Context) {
+    if cx.ledger.interrupts() {
+        cx.vehicle.courses.leave_plan();
+    }
+    cx.vehicle.courses.invalidate_after_loss();
 }
 
 /// Navigation has come, perhaps with a jump. If it jumped close to a begin, the vehicle may have believed then that it
@@ -45,7 +59,7 @@ pub(super) fn ended(cx: &mut Context, number: Option<u32>, identifier: Option<Be
     let current = cx.vehicle.courses.current();
     // If core has only seen what is flown, any end means that something else is flown now.
     if ended.is_some() && (current.is_none() || ended == current) {
-        cx.vehicle.courses.invalidate_after_loss();
+        cx.vehicle.courses.unknown();
     }
     let Some(identifier) = identifier else { return };
     let entry = cx.ledger.by_identifier(identifier);

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use backseat_spi::{Ctd, DecodeError, FromVehicle, MissionCommand, MissionStatus, Text};
 
-use super::Core;
 use super::samples::sampled;
+use super::{Core, course};
 use crate::ended::EndCause;
 use crate::io::{Note, Operator};
 use crate::vehicle::dive::NamedBy;
@@ -39,7 +39,7 @@ impl Core {
                         self.cx.vehicle.plan.unreadable();
                     }
                     if line.swallows {
-                        self.cx.vehicle.invalidate_after_loss();
+                        self.invalidate_after_loss();
                     }
                     if self.cx.control.doubt(&self.cx.settings.control, error.message) {
                         self.settle_control();
@@ -54,8 +54,13 @@ impl Core {
     /// If something was lost on the link, it may have been a BFMBS or a BFMBE (safety requirement 002).
     fn invalidate_after_unheard(&mut self) {
         if self.session.take_lost() {
-            self.cx.vehicle.invalidate_after_loss();
+            self.invalidate_after_loss();
         }
+    }
+
+    fn invalidate_after_loss(&mut self) {
+        course::lost(&mut self.cx);
+        self.cx.vehicle.invalidate_after_loss();
     }
 
     fn malformed(&mut self, error: &DecodeError) {
@@ -182,7 +187,7 @@ impl Core {
         self.capabilities.inserts.another_dive(&mut self.cx);
         self.cx.vehicle.forget_plan();
         self.cx.link.commands.forget_plan();
-        self.cx.vehicle.courses.invalidate_after_loss();
+        self.cx.vehicle.courses.unknown();
         self.cx.vehicle.dive.is_another();
         self.session.want_plan(&mut self.cx);
         self.settle_control();

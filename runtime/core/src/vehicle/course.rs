@@ -4,8 +4,9 @@
 //! of its line. It steers to the line itself (line-of-sight steering, Fossen, *Handbook of Marine Craft Hydrodynamics
 //! and Motion Control*, 2011, section 10.3). To know where that may lead, core remembers the places where the behaviors
 //! began that the vehicle may continue. If a begin was not heard, its place is not known. Then, before anything of ours
-//! steers, core must hear what is flown, or see it from the lines that the vehicle follows. Everything that is judged
-//! by these places belongs to safety requirement 002.
+//! steers, core must hear what is flown, or see it from the lines that the vehicle follows. A BFMBS alone is not enough
+//! if the vehicle may have flown that behavior before: it may take up the way that it followed then. Everything that is
+//! judged by these places belongs to safety requirement 002.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -43,6 +44,19 @@ pub(crate) struct Begin {
     pub(crate) within_m: f64,
 }
 
+/// The behaviors whose begin core may have missed since the newest planned behavior that it can place. The vehicle may
+/// have left them for an insert that interrupts, and may take them up again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
+enum Missed {
+    #[default]
+    Nothing,
+    /// Any behavior.
+    Any,
+    /// This behavior of the plan. Everything that has begun after it was heard.
+    Only(u32),
+}
+
 /// The places where the behaviors began that the vehicle may continue.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
@@ -62,6 +76,7 @@ pub(crate) struct Courses {
     /// The vehicle may have left a behavior of its plan that is not done, for an insert that interrupts, and no planned
     /// behavior has begun since. Other inserts may be flown first (SPI 7.5).
     left_plan: bool,
+    missed: Missed,
     /// Since when the vehicle has neither climbed nor dived, while nothing of ours steers.
     level_since: Option<Timestamp>,
     /// The vehicle has reached the depth of what is flown now.
@@ -73,9 +88,39 @@ pub(crate) struct Courses {
 }
 
 impl Courses {
+    /// What a process knows as it begins: nobody has heard for it what has begun in the vehicle's mission. If there was
+    /// a previous run, that run may have left inserts in it that interrupt.
+    pub(crate) fn new(after_another: bool) -> Self {
+        Self {
+            left_plan: after_another,
+            missed: Missed::Any,
+            ..Self::default()
+        }
+    }
+
     /// The vehicle may have left a behavior of its plan that is not done.
     pub(crate) const fn leave_plan(&mut self) {
         self.left_plan = true;
+    }
+
+    /// Whether the vehicle may have flown this behavior before, with a begin that nobody heard: it may then continue
+    /// from there, and the place where it begins now says nothing about its way.
+    pub(crate) fn may_have_begun_unheard(&self, flown: Flown) -> bool {
+        match self.missed {
+            Missed::Nothing => false,
+            Missed::Any => self.left_plan,
+            Missed::Only(number) => flown == Flown::Planned(number),
+        }
+    }
+
+    /// A behavior has begun that the vehicle may have flown before, with a begin that nobody heard.
+    pub(crate) fn resumed(&mut self, flown: Flown) {
+        if let Flown::Planned(number) = flown {
+            self.begun.clear();
+            self.left_plan = false;
+            self.missed = Missed::Only(number);
+        }
+        self.unknown();
     }
 
     /// A behavior has begun, at this place if it is known.
@@ -83,6 +128,7 @@ impl Courses {
         if matches!(flown, Flown::Planned(_)) {
             self.begun.retain(|other, _| *other == flown);
             self.left_plan = false;
+            self.missed = Missed::Nothing;
         }
         let begins = self.begun.entry(flown).or_default();
         begins.truncate(BEGINS_MAX - 1);
@@ -147,8 +193,14 @@ impl Courses {
         self.begun.remove(&Flown::Inserted(insert));
     }
 
-    /// What is flown is not known: a message or the link was lost, or a behavior has ended and nothing has begun.
+    /// A message or the link was lost: it may have been a begin or an end.
     pub(crate) fn invalidate_after_loss(&mut self) {
+        self.missed = Missed::Any;
+        self.unknown();
+    }
+
+    /// What is flown is not known: a behavior has ended and nothing has begun, or a begin may have been missed.
+    pub(crate) fn unknown(&mut self) {
         self.current = None;
         self.unplace();
         self.begun_at = None;
@@ -176,7 +228,10 @@ impl Courses {
             // The vehicle is on their lines, so the ways to them are behind it.
             for path in paths {
                 self.begun.insert(*path, Vec::new());
-                self.left_plan &= !matches!(path, Flown::Planned(_));
+                if matches!(path, Flown::Planned(_)) {
+                    self.left_plan = false;
+                    self.missed = Missed::Nothing;
+                }
             }
         }
         seen
@@ -211,7 +266,8 @@ impl Courses {
         self.depths_m = None;
         self.seen_mps = 0.0;
         self.left_plan = false;
-        self.invalidate_after_loss();
+        self.missed = Missed::Nothing;
+        self.unknown();
     }
 
     /// Where what is flown now may have begun; every remembered place if that is not known.

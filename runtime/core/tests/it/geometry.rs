@@ -377,7 +377,17 @@ fn sr_002_the_way_back_from_a_modify_is_checked_at_the_depths_of_the_plan() {
         trial.vehicle.moved = Some((1, EastNorth::new(600.0, 0.0)));
         trial.vehicle.start = EastNorth::new(1000.0, 600.0);
         trial.vehicle.depth_m = flown_at_m;
-        trial.run_for(seconds);
+        trial.vehicle.replays = false;
+        trial.run_for(0.5);
+        // What a process hears first, the vehicle may take up again. What comes after that begins for the first time.
+        for number in [3, 1] {
+            let now = trial.now;
+            trial.vehicle.begin(now, Some(number), None);
+        }
+        let now = trial.now;
+        trial.vehicle.set_status(now, "Running");
+        trial.vehicle.set_control(now, true);
+        trial.run_for(seconds - 0.5);
         trial.vehicle.depth_m = 20.0;
         trial.run_for(1.0);
         trial.ask(0, [Request::Modify(modify(1))]);

@@ -280,7 +280,8 @@ fn sr_019_inserts_that_a_killed_process_left_count_under_the_cap_until_they_are_
     );
     begin(&mut trial, 7);
     end(&mut trial, 7);
-    goes_on(&mut trial);
+    trial.vehicle.begin(trial.now, Some(2), None);
+    trial.run_for(0.3);
     trial.ask(0, [good_line(2)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));

@@ -266,3 +266,78 @@ fn sr_002_a_successor_knows_what_the_vehicle_comes_back_to_only_once_it_goes_alo
     trial.run_for(1.0);
     refused_for(&mut trial, Request::Modify(modify(9)), 9, "");
 }
+
+/// The vehicle is on its way to the first leg of its plan, which begins 600 m east and 600 m north of here.
+fn on_its_way(mut trial: Trial) -> Trial {
+    trial.vehicle.replays = false;
+    trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
+    trial.vehicle.start = EastNorth::new(500.0, -1200.0);
+    trial.run_for(1.0);
+    let now = trial.now;
+    trial.vehicle.set_status(now, "Running");
+    trial.vehicle.set_control(now, true);
+    trial.run_for(1.0);
+    trial
+}
+
+/// An insert has interrupted the way to a leg, and the vehicle takes the leg up again. It may continue the way that it
+/// followed before, and the process has not heard where that began.
+#[test]
+fn sr_002_a_behavior_that_is_taken_up_again_may_continue_from_a_begin_that_a_killed_process_heard() {
+    // For comparison: the first process of a mission hears the leg begin.
+    let mut trial = on_its_way(Trial::new());
+    begins(&mut trial, Some(1), None);
+    accepted(&mut trial, Request::Modify(modify(9)), 9);
+
+    let mut trial = on_its_way(successor(0));
+    begins(&mut trial, Some(1), None);
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
+    // The same sentence may come twice.
+    begins(&mut trial, Some(1), None);
+    refused_for(&mut trial, Request::Modify(modify(10)), 10, "current behavior unknown");
+    refused_for(&mut trial, line_here(11), 11, "current behavior unknown");
+    // The next behavior begins for the first time.
+    ends(&mut trial, Some(1), None);
+    begins(&mut trial, Some(2), None);
+    accepted(&mut trial, Request::Modify(modify(12)), 12);
+}
+
+fn line_here(tag: u64) -> Request {
+    Request::Trackline(line(tag, (600.0, -1300.0), (900.0, -1300.0)))
+}
+
+/// The same over a lost link, and over a sentence that was lost.
+#[test]
+fn sr_002_a_behavior_that_is_taken_up_again_may_continue_from_a_begin_that_was_missed() {
+    let interrupted = |lose: &dyn Fn(&mut Trial)| {
+        let mut trial = on_its_way(Trial::new());
+        begins(&mut trial, Some(3), None);
+        accepted(&mut trial, at_once(line(1, EAST.0, EAST.1)), 1);
+        ends(&mut trial, Some(3), None);
+        lose(&mut trial);
+        ends(&mut trial, None, Some(1));
+        trial.vehicle.inserted.clear();
+        begins(&mut trial, Some(1), None);
+        trial.run_for(12.0);
+        trial.ask(0, [Request::Modify(modify(9))]);
+        trial.run_for(0.5);
+        let states = trial.states(9);
+        match shorts(&states).last() {
+            Some(&"rejected") => trial.rejection(9),
+            _ => format!("{states:?}"),
+        }
+    };
+    // For comparison: the leg begins and everything is heard.
+    let heard = interrupted(&|trial| begins(trial, None, Some(1)));
+    assert!(heard.contains("Steering") || heard.contains("Accepted"), "{heard}");
+    // Here the leg may have begun before the insert.
+    let link = interrupted(&outage);
+    assert!(link.contains("current behavior unknown"), "{link}");
+    let sentence = interrupted(&|trial| {
+        trial.way = Some(Box::new(damage("BFMBS", "")));
+        begins(trial, Some(1), None);
+        trial.way = None;
+        begins(trial, None, Some(1));
+    });
+    assert!(sentence.contains("current behavior unknown"), "{sentence}");
+}

@@ -6,6 +6,7 @@ use backseat_spi::{AckStatus, CircleEntry, Interrupt, ToVehicle};
 use backseat_units::EastNorth;
 
 use crate::course::{circle, good_line, interrupting, limits, line};
+use crate::scene::begins;
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -280,8 +281,7 @@ fn sr_019_inserts_that_a_killed_process_left_count_under_the_cap_until_they_are_
     );
     begin(&mut trial, 7);
     end(&mut trial, 7);
-    trial.vehicle.begin(trial.now, Some(2), None);
-    trial.run_for(0.3);
+    begins(&mut trial, Some(2), None);
     trial.ask(0, [good_line(2)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));

@@ -20,12 +20,6 @@ fn end(trial: &mut Trial, identifier: u32) {
     trial.run_for(0.3);
 }
 
-/// The vehicle goes on with its plan.
-fn goes_on(trial: &mut Trial) {
-    trial.vehicle.begin(trial.now, Some(1), None);
-    trial.run_for(0.3);
-}
-
 /// An accepted insert under tag 1 with identifier 1.
 fn accepted() -> Trial {
     let mut trial = Trial::under_way();
@@ -191,7 +185,7 @@ fn sr_009_no_insert_is_sent_while_another_is_in_doubt() {
     end(&mut trial, 1);
     assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"));
     trial.vehicle.replies.clear();
-    goes_on(&mut trial);
+    begins(&mut trial, Some(1), None);
     trial.run_for(16.0);
     trial.ask(0, [good_line(3)]);
     trial.run_for(0.5);
@@ -483,7 +477,7 @@ fn sr_019_the_number_of_open_inserts_is_capped() {
     );
     begin(&mut trial, 1);
     end(&mut trial, 1);
-    goes_on(&mut trial);
+    begins(&mut trial, Some(1), None);
     trial.ask(0, [good_line(6)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(6)), ["sent", "accepted"]);
@@ -590,7 +584,7 @@ fn sr_010_nothing_interrupts_an_interrupting_insert() {
         "{}",
         trial.rejection(6)
     );
-    goes_on(&mut trial);
+    begins(&mut trial, Some(1), None);
     trial.ask(1, [interrupting(5)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(5)), ["sent", "accepted"]);

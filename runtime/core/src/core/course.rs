@@ -22,11 +22,16 @@ pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<Be
         let here = cx.outlook().begins_here();
         cx.vehicle.courses.began(cx.now, flown, here);
     }
-    let insert = |identifier| cx.ledger.get(cx.ledger.by_identifier(identifier)?)?.insert;
-    // An insert that this process does not know may have interrupted too.
-    if identifier.is_some_and(|identifier| insert(identifier).is_none_or(|insert| insert.interrupt)) {
+    if identifier.is_some_and(|identifier| may_interrupt(cx, identifier)) {
         cx.vehicle.courses.leave_plan();
     }
+}
+
+/// An insert that this process does not know may have interrupted too.
+fn may_interrupt(cx: &Context, identifier: BehaviorId) -> bool {
+    let insert = |request| cx.ledger.get(request)?.insert;
+    let known = cx.ledger.by_identifier(identifier).and_then(insert);
+    known.is_none_or(|insert| insert.interrupt)
 }
 
 /// A message or the link was lost. An insert that interrupts may have begun and ended meanwhile.
@@ -62,6 +67,10 @@ pub(super) fn ended(cx: &mut Context, number: Option<u32>, identifier: Option<Be
         cx.vehicle.courses.unknown();
     }
     let Some(identifier) = identifier else { return };
+    if may_interrupt(cx, identifier) {
+        // Nobody may have heard it begin.
+        cx.vehicle.courses.leave_plan();
+    }
     let entry = cx.ledger.by_identifier(identifier);
     if !entry.is_some_and(|request| cx.ledger.get(request).is_some_and(|entry| entry.interrupted)) {
         cx.vehicle.courses.ended(identifier);

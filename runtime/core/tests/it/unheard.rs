@@ -306,6 +306,18 @@ fn line_here(tag: u64) -> Request {
     Request::Trackline(line(tag, (600.0, -1300.0), (900.0, -1300.0)))
 }
 
+/// What became of a modify that was requested 12 s later.
+fn modified(mut trial: Trial) -> String {
+    trial.run_for(12.0);
+    trial.ask(0, [Request::Modify(modify(9))]);
+    trial.run_for(0.5);
+    let states = trial.states(9);
+    match shorts(&states).last() {
+        Some(&"rejected") => trial.rejection(9),
+        _ => format!("{states:?}"),
+    }
+}
+
 /// The same over a lost link, and over a sentence that was lost.
 #[test]
 fn sr_002_a_behavior_that_is_taken_up_again_may_continue_from_a_begin_that_was_missed() {
@@ -318,14 +330,7 @@ fn sr_002_a_behavior_that_is_taken_up_again_may_continue_from_a_begin_that_was_m
         ends(&mut trial, None, Some(1));
         trial.vehicle.inserted.clear();
         begins(&mut trial, Some(1), None);
-        trial.run_for(12.0);
-        trial.ask(0, [Request::Modify(modify(9))]);
-        trial.run_for(0.5);
-        let states = trial.states(9);
-        match shorts(&states).last() {
-            Some(&"rejected") => trial.rejection(9),
-            _ => format!("{states:?}"),
-        }
+        modified(trial)
     };
     // For comparison: the leg begins and everything is heard.
     let heard = interrupted(&|trial| begins(trial, None, Some(1)));
@@ -340,4 +345,20 @@ fn sr_002_a_behavior_that_is_taken_up_again_may_continue_from_a_begin_that_was_m
         begins(trial, None, Some(1));
     });
     assert!(sentence.contains("current behavior unknown"), "{sentence}");
+}
+
+#[test]
+fn sr_002_an_insert_of_another_payload_that_nobody_heard_begin_may_have_interrupted_what_begins_after_it() {
+    let after_the_outage = |ended: Option<u32>| {
+        let mut trial = on_its_way(Trial::new());
+        begins(&mut trial, Some(3), None);
+        outage(&mut trial);
+        ends(&mut trial, Some(3).filter(|_| ended.is_none()), ended);
+        begins(&mut trial, Some(1), None);
+        modified(trial)
+    };
+    let planned = after_the_outage(None);
+    assert!(planned.contains("Accepted"), "{planned}");
+    let insert = after_the_outage(Some(40));
+    assert!(insert.contains("current behavior unknown"), "{insert}");
 }

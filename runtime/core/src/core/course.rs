@@ -91,7 +91,11 @@ pub(super) fn watch(cx: &mut Context) {
         .flies_at(hypot(navigation.east_mps, navigation.north_mps));
     let vertical = [navigation.depth.as_m(), navigation.down_mps];
     let after_another = !cx.vehicle.previous_run.is_none();
-    cx.vehicle.courses.levels(cx.now, vertical, after_another);
+    // With `modify_needs_plan = false`, core does without the plan where nobody heard what is flown.
+    let courses = &mut cx.vehicle.courses;
+    let does_without = !cx.monitor.limits().modify_needs_plan && courses.current().is_none();
+    let of_plan = courses.flies_plan() || (does_without && courses.placed().is_empty());
+    courses.levels(cx.now, vertical, of_plan, after_another);
     let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
     let within_m = cx.monitor.limits().tracking_error_m;
     let is_on = |line| is_on(line, navigation.local, velocity, within_m);

@@ -237,9 +237,18 @@ impl Courses {
         seen
     }
 
-    /// Takes the vehicle's depth and how fast it dives, while nothing of ours steers. With `after_another`, a previous
-    /// run may have left a modify, which must be over.
-    pub(crate) fn levels(&mut self, now: Timestamp, [depth_m, down_mps]: [f64; 2], after_another: bool) {
+    /// Whether the vehicle surely flies its plan: core has heard it begin, or has seen the vehicle on its lines alone.
+    pub(crate) fn flies_plan(&self) -> bool {
+        let planned = |flown: &Flown| matches!(flown, Flown::Planned(_));
+        match self.current {
+            Some(current) => planned(&current),
+            None => !self.placed.is_empty() && self.placed.iter().all(planned),
+        }
+    }
+
+    /// Takes the vehicle's depth and how fast it dives, while nothing of ours steers. The depth counts as one of the plan
+    /// if it flies that (`of_plan`). With `after_another`, a previous run may have left a modify, which must be over.
+    pub(crate) fn levels(&mut self, now: Timestamp, [depth_m, down_mps]: [f64; 2], of_plan: bool, after_another: bool) {
         let level_for = if after_another {
             LEVEL_AFTER_ANOTHER_FOR
         } else {
@@ -250,7 +259,7 @@ impl Courses {
         self.level_since = level.then(|| self.level_since.unwrap_or(now));
         if self.level_since.is_some_and(|since| now.since(since) >= level_for) {
             // The depth at which an insert is flown is not the plan's depth.
-            if matches!(self.current, Some(Flown::Inserted(_))) {
+            if !of_plan {
                 self.settled = self.depths_m.is_some();
                 return;
             }

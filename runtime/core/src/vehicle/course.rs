@@ -167,8 +167,8 @@ impl Courses {
     }
 
     /// Takes the vehicle's speed over ground, m/s. It counts while the vehicle flies its plan.
-    pub(crate) const fn flies_at(&mut self, ground_mps: f64) {
-        if matches!(self.current, Some(Flown::Planned(_))) {
+    pub(crate) fn flies_at(&mut self, ground_mps: f64) {
+        if self.flies_plan() {
             self.seen_mps = self.seen_mps.max(ground_mps);
         }
     }

@@ -428,6 +428,31 @@ fn sr_002_the_turn_away_from_a_slow_modify_is_checked_at_the_speed_of_the_plan()
 }
 
 #[test]
+fn sr_002_a_plan_that_is_only_seen_shows_its_speed_too() {
+    // The vehicle flies its plan at this speed, after an outage, and then slowly beside the eastern edge.
+    let at_edge = |plan_mps: f64| {
+        let mut trial = Trial::under_way();
+        outage(&mut trial);
+        trial.vehicle.speed_mps = plan_mps;
+        led_to(&mut trial, -400.0, 0.0);
+        trial.run_for(20.0);
+        (trial.vehicle.speed_mps, trial.vehicle.heading_deg) = (1.0, 0.0);
+        trial.vehicle.start = EastNorth::new(1932.0, 0.0);
+        trial.run_for(12.0);
+        trial
+    };
+    let north = |tag| {
+        Request::Modify(backseat_core::plugin::ModifyRequest {
+            heading_deg: 0.0,
+            speed_mps: 1.0,
+            ..modify(tag)
+        })
+    };
+    accepted(&mut at_edge(1.9), north(8), 8);
+    refused_for(&mut at_edge(2.6), north(9), 9, "box");
+}
+
+#[test]
 fn sr_002_the_way_on_from_a_slow_insert_is_checked_at_the_speed_of_the_plan() {
     let asked = |speed_mps| {
         let mut trial = Trial::under_way();

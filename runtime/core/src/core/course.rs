@@ -102,7 +102,17 @@ pub(super) fn watch(cx: &mut Context) {
     match cx.vehicle.courses.current() {
         None => {
             let mut paths: Vec<Flown> = Vec::new();
-            for (flown, line) in cx.outlook().lines_that_may_be_flown() {
+            let outlook = cx.outlook();
+            let lines = match cx.vehicle.courses.resumes() {
+                // The way to its line may run along the line of another.
+                Some(flown) => outlook
+                    .first_line_of(flown)
+                    .map(|line| (flown, line))
+                    .into_iter()
+                    .collect(),
+                None => outlook.lines_that_may_be_flown(),
+            };
+            for (flown, line) in lines {
                 if is_on(line) && !paths.contains(&flown) {
                     paths.push(flown);
                 }

@@ -77,6 +77,8 @@ pub(crate) struct Courses {
     /// behavior has begun since. Other inserts may be flown first (SPI 7.5).
     left_plan: bool,
     missed: Missed,
+    /// What was heard to begin, if it is not known where the vehicle continues it.
+    resumed: Option<Flown>,
     /// Since when the vehicle has neither climbed nor dived, while nothing of ours steers.
     level_since: Option<Timestamp>,
     /// The vehicle has reached the depth of what is flown now.
@@ -121,6 +123,13 @@ impl Courses {
             self.missed = Missed::Only(number);
         }
         self.unknown();
+        self.resumed = Some(flown);
+    }
+
+    /// What was heard to begin, if it is not known where the vehicle continues it. The vehicle flies this and nothing
+    /// else.
+    pub(crate) const fn resumes(&self) -> Option<Flown> {
+        self.resumed
     }
 
     /// A behavior has begun, at this place if it is known.
@@ -134,6 +143,7 @@ impl Courses {
         begins.truncate(BEGINS_MAX - 1);
         begins.extend(here);
         self.current = Some(flown);
+        self.resumed = None;
         self.unplace();
         self.begun_at = Some(now);
         self.unplaced = here.is_none();
@@ -202,6 +212,7 @@ impl Courses {
     /// What is flown is not known: a behavior has ended and nothing has begun, or a begin may have been missed.
     pub(crate) fn unknown(&mut self) {
         self.current = None;
+        self.resumed = None;
         self.unplace();
         self.begun_at = None;
         self.on_line_since = None;
@@ -225,13 +236,17 @@ impl Courses {
         let seen = self.along.iter().any(long);
         if seen {
             self.placed = paths.to_vec();
-            // The vehicle is on their lines, so the ways to them are behind it.
+            // The vehicle is on the line of what it flies, so the way to that is behind it. If that may be an insert, the
+            // way to a planned behavior is not.
+            let of_plan = self.flies_plan();
             for path in paths {
-                self.begun.insert(*path, Vec::new());
-                if matches!(path, Flown::Planned(_)) {
-                    self.left_plan = false;
-                    self.missed = Missed::Nothing;
+                if of_plan || matches!(path, Flown::Inserted(_)) {
+                    self.begun.insert(*path, Vec::new());
                 }
+            }
+            if of_plan {
+                self.left_plan = false;
+                self.missed = Missed::Nothing;
             }
         }
         seen
@@ -431,6 +446,30 @@ mod tests {
         assert!(!courses.keeps_to(at(26), &[third]));
         courses.began(at(30), third, None);
         assert!(!courses.keeps_to(at(36), &[third]));
+    }
+
+    #[test]
+    fn sr_002_who_may_fly_an_insert_may_still_come_back_to_the_way_to_a_leg() {
+        let (leg, insert) = (Flown::Planned(2), Flown::Inserted(BehaviorId::new(7)));
+        let at = |seconds: u64| Timestamp::from_millis(1000 * seconds);
+        let seen_on = |paths: &[Flown]| {
+            let mut courses = Courses::default();
+            courses.began(at(0), leg, Some(begin(2.0)));
+            courses.leave_plan();
+            courses.invalidate_after_loss();
+            assert!(!courses.keeps_to(at(1), paths));
+            assert!(courses.keeps_to(at(11), paths));
+            courses
+        };
+        let plan = seen_on(&[leg]);
+        assert!(!plan.has_left_plan() && plan.flies_plan());
+        assert_eq!((plan.of_plan(), plan.may_have_begun_unheard(leg)), (vec![], false));
+        let either = seen_on(&[leg, insert]);
+        assert!(either.has_left_plan() && !either.flies_plan());
+        assert_eq!(
+            (either.of_plan(), either.may_have_begun_unheard(leg)),
+            (vec![begin(2.0)], true)
+        );
     }
 
     #[test]

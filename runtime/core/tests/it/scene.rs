@@ -1,6 +1,7 @@
 //! What several tests do to a vehicle, and check.
 
 use backseat_core::plugin::{Request, TracklineRequest};
+use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
 use crate::trial::{Trial, short, shorts};
@@ -22,6 +23,29 @@ pub(crate) fn ends(trial: &mut Trial, number: Option<u32>, identifier: Option<u3
     let now = trial.now;
     trial.vehicle.end(now, number, identifier);
     trial.run_for(0.3);
+}
+
+/// A vehicle that keeps silent on BPRMP tells its plan: one behavior with these places.
+pub(crate) fn tells_plan(trial: &mut Trial, places: &[(f64, f64)]) {
+    let Some((_, command)) = trial.commands("RMP").pop() else {
+        panic!("no BPRMP")
+    };
+    let created = command.created().unwrap();
+    let now = trial.now;
+    trial
+        .vehicle
+        .acknowledge(now, ("RMP", created, None, AckStatus::Pending));
+    trial.run_for(0.3);
+    for (index, place) in places.iter().enumerate() {
+        let now = trial.now;
+        trial.vehicle.say_element(now, Some(1), None, index, *place);
+    }
+    trial.run_for(0.2);
+    let now = trial.now;
+    trial
+        .vehicle
+        .acknowledge(now, ("RMP", created, None, AckStatus::Succeeded));
+    trial.run_for(0.5);
 }
 
 /// The link is lost and comes back. The vehicle does not say again what it flies, because it sends a BFMBS only as a

@@ -4,11 +4,10 @@ use std::collections::BTreeSet;
 
 use backseat_core::plugin::{FaultKind, Request, TrackcircleRequest, TracklineRequest};
 use backseat_core::{FailAction, Limits, Operator, Order, PluginSetup};
-use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
 use crate::course::{self, circle, good_line, interrupting, limits, line, modify, plugin, turn};
-use crate::scene::{EAST, accepted, at_once, begins, ends, led_to, outage, refused_for};
+use crate::scene::{EAST, accepted, at_once, begins, ends, led_to, outage, refused_for, tells_plan};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::{Reply, name_of};
 
@@ -225,33 +224,17 @@ fn sr_002_the_transit_to_the_first_leg_counts_even_if_it_runs_along_another_leg(
         trial.vehicle.heading_deg = WAY_DEG;
         trial.vehicle.start = EastNorth::new(-300.0, -1410.0).offset(WAY_DEG + 180.0, 4.0);
         trial.run_for(1.0);
-        let Some((_, command)) = trial.commands("RMP").pop() else {
-            panic!("no BPRMP")
-        };
-        let created = command.created().unwrap();
-        let now = trial.now;
-        trial
-            .vehicle
-            .acknowledge(now, ("RMP", created, None, AckStatus::Pending));
-        trial.run_for(0.3);
-        let places = [
-            (300.0, -600.0),
-            (1000.0, -600.0),
-            (1000.0, -1800.0),
-            (-700.0, -1800.0),
-            last[0],
-            last[1],
-        ];
-        for (index, place) in places.into_iter().enumerate() {
-            let now = trial.now;
-            trial.vehicle.say_element(now, Some(1), None, index, place);
-        }
-        trial.run_for(0.2);
-        let now = trial.now;
-        trial
-            .vehicle
-            .acknowledge(now, ("RMP", created, None, AckStatus::Succeeded));
-        trial.run_for(0.5);
+        tells_plan(
+            &mut trial,
+            &[
+                (300.0, -600.0),
+                (1000.0, -600.0),
+                (1000.0, -1800.0),
+                (-700.0, -1800.0),
+                last[0],
+                last[1],
+            ],
+        );
         assert!(trial.core.has_control());
         begins(&mut trial, Some(1), None);
         trial.run_for(15.0);

@@ -302,6 +302,28 @@ fn sr_002_a_behavior_that_is_taken_up_again_may_continue_from_a_begin_that_a_kil
     accepted(&mut trial, Request::Modify(modify(12)), 12);
 }
 
+/// The way to the line of what is taken up again may run along another line of the plan: here along the way to the third
+/// behavior.
+#[test]
+fn sr_002_a_behavior_that_is_taken_up_again_is_seen_only_on_its_own_line() {
+    let on_the_way_to_the_third = |heard: bool| {
+        let mut trial = on_its_way(successor(0));
+        if heard {
+            begins(&mut trial, Some(1), None);
+        }
+        trial.vehicle.heading_deg = 270.0;
+        let then_s = trial.now.as_nanos() as f64 / 1e9 + 12.0;
+        trial.vehicle.start = EastNorth::new(500.0 + trial.vehicle.speed_mps * then_s, 300.0);
+        trial.run_for(15.0);
+        modified(trial)
+    };
+    // For comparison: nothing is heard, so what is seen counts.
+    let seen = on_the_way_to_the_third(false);
+    assert!(seen.contains("Accepted"), "{seen}");
+    let heard = on_the_way_to_the_third(true);
+    assert!(heard.contains("current behavior unknown"), "{heard}");
+}
+
 fn line_here(tag: u64) -> Request {
     Request::Trackline(line(tag, (600.0, -1300.0), (900.0, -1300.0)))
 }

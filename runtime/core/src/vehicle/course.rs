@@ -25,8 +25,10 @@ const LEVEL_FOR: Duration = Duration::from_secs(5);
 const LEVEL_AFTER_ANOTHER_FOR: Duration = Duration::from_secs(15);
 /// A vehicle that has been on a line for this long is not merely crossing it.
 const ON_LINE_FOR: Duration = Duration::from_secs(10);
-/// A vehicle on its line moves in a direction that differs from the line's by at most 30 degrees: the cosine of that.
-const ALONG: f64 = 0.866;
+/// A vehicle on its line moves over ground in a direction that differs from the line's by at most 15 degrees: the cosine
+/// of that. One that crosses a line at a smaller angle stays beside it by less than the width of a turn for as long as a
+/// modify lasts.
+const ALONG: f64 = 0.966;
 
 /// Whose path is flown: that of an element of the plan by its number, or that of an insert.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -476,6 +478,7 @@ mod tests {
     fn a_vehicle_that_crosses_a_line_is_not_on_it() {
         let line = (at(0.0, 0.0), at(100.0, 0.0));
         assert!(is_on(line, at(50.0, 4.0), at(1.5, -0.3), 5.0));
+        assert!(!is_on(line, at(50.0, 4.0), at(1.5, -0.5), 5.0));
         assert!(!is_on(line, at(50.0, 4.0), at(0.3, -1.5), 5.0));
         assert!(!is_on(line, at(50.0, 4.0), at(-1.5, 0.0), 5.0));
         assert!(!is_on(line, at(50.0, 6.0), at(1.5, 0.0), 5.0));

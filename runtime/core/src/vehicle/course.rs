@@ -26,8 +26,8 @@ const LEVEL_AFTER_ANOTHER_FOR: Duration = Duration::from_secs(15);
 /// A vehicle that has been on a line for this long is not merely crossing it.
 const ON_LINE_FOR: Duration = Duration::from_secs(10);
 /// A vehicle on its line moves over ground in a direction that differs from the line's by at most 15 degrees: the cosine
-/// of that. One that crosses a line at a smaller angle stays beside it by less than the width of a turn for as long as a
-/// modify lasts.
+/// of that. One that crosses the line at a smaller angle is taken for one that follows it; its way then differs little
+/// from the line.
 const ALONG: f64 = 0.966;
 
 /// Whose path is flown: that of an element of the plan by its number, or that of an insert.

@@ -5,7 +5,7 @@ use backseat_units::math::hypot;
 use super::*;
 use crate::monitor::envelope::boxes::{avoid, contain, hull_axes, span};
 use crate::monitor::limits::station::{BottomBox, HullBox, StationLimits};
-use crate::plugin::{CartesianSample, RelativeSample};
+use crate::plugin::{CartesianSample, RelativeSample, StationRequest, StationTarget};
 use crate::refusal::{BoxEdge, Stretch};
 
 /// The samples are a quarter of a second old at this time.
@@ -333,4 +333,32 @@ fn a_box_is_kept_up_to_its_bounds_and_another_is_avoided_beyond_them() {
     assert_eq!(breach(inside), (Some(3.0), "vertical_min_m".to_owned()));
     let clear = [[-5.0, -1e-9], [1.0, 9.0], [1.0, 9.0]];
     assert!(avoid(Stretch::Way, "keep_out", "wreck", &axes(clear)).is_ok());
+}
+
+#[test]
+fn station_keeping_lasts_up_to_its_term_and_moves_up_to_its_speed() {
+    let hull = StationTarget::Hull {
+        horizontal_m: 10.0,
+        vertical_m: 5.0,
+        distance_m: 4.0,
+    };
+    let asked = |envelope: &Envelope, duration: Duration, speed_mps: Option<f64>| {
+        let request = StationRequest {
+            tag: 1,
+            target: hull,
+            speed_mps,
+            duration,
+        };
+        envelope.admit_station(&request).map(|hover| hover.speed_mps)
+    };
+    let envelope = hovering(|_| ());
+    let term = envelope.station_limits().unwrap().term_max();
+    assert_eq!(asked(&envelope, term, Some(0.5)), Ok(0.5));
+    assert!(asked(&envelope, term + Duration::from_nanos(1), Some(0.5)).is_err());
+    assert!(asked(&envelope, Duration::ZERO, Some(0.5)).is_err());
+    assert!(asked(&envelope, term, Some(0.500_001)).is_err());
+    // The mission's own speed counts if the request has none.
+    let default_of = |mps| hovering(|station| station.speed_default_mps = mps);
+    assert_eq!(asked(&default_of(0.5), term, None), Ok(0.5));
+    assert!(asked(&default_of(0.500_001), term, None).is_err());
 }

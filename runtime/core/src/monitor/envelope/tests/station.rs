@@ -230,6 +230,10 @@ fn a_move_over_the_bottom_keeps_its_altitude_where_the_seabed_may_rise() {
     let low = |metres| to_bottom(13.0, 18.0, Vertical::Altitude(Altitude::from_m(metres).unwrap()));
     near(known.judge(&open, low(8.0), 0.2).unwrap(), 8.0 - stray_m - 3.0);
     passes_from(3.0 + stray_m, 1e-9, |metres| known.judge(&open, low(metres), 0.2));
+    // The least altitude itself is allowed.
+    let least = |metres| hovering(|limits| limits.altitude_min_m = metres);
+    let reached_m = known.judge(&least(0.0), low(8.0), 0.2).unwrap();
+    assert_eq!(known.judge(&least(reached_m), low(8.0), 0.2), Ok(0.0));
     // At an altitude, the depth is what is left of the greatest and of the least water depth.
     let shallow = |max_m| hovering(|limits| limits.bottom_box = Some(bottom_box(FAR, FAR, [-1000.0, max_m])));
     passes_from(40.0 + rise_m - 8.0 + stray_m, 1e-9, |max_m| {

@@ -157,11 +157,12 @@ impl Build {
         let home = env::var_os("CARGO_HOME").map(PathBuf::from);
         let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo")));
         let home = home.context("no home folder")?;
-        // Paths of this computer would be in messages of panics, and in what C asserts.
+        // Paths of this computer would be in messages of panics, and in what C asserts. Where several fit, the compiler takes
+        // the last, and the target folder may be inside the workspace.
         let renamed = [
-            (&self.target, "/target"),
-            (&self.workspace, "/backseat"),
             (&home, "/cargo"),
+            (&self.workspace, "/backseat"),
+            (&self.target, "/target"),
         ];
         let flags = |option: &str| {
             let flags = renamed.map(|(from, to)| format!("{option}={}={to}", from.display()));

@@ -254,16 +254,8 @@ fn sr_002_a_gps_hit_of_a_killed_process_counts_as_flown_once_its_begin_is_heard(
 
 #[test]
 fn sr_002_a_successor_knows_what_the_vehicle_comes_back_to_only_once_it_goes_along_a_line() {
-    let mut trial = successor(0);
-    trial.vehicle.replays = false;
-    trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
     // The behavior began at (-300, -1400), and a modify of the previous run has led the vehicle here.
-    trial.vehicle.start = EastNorth::new(500.0, -1200.0);
-    trial.run_for(1.0);
-    let now = trial.now;
-    trial.vehicle.set_status(now, "Running");
-    trial.vehicle.set_control(now, true);
-    trial.run_for(1.0);
+    let mut trial = on_its_way(successor(0));
     refused_for(&mut trial, Request::Modify(modify(9)), 9, "");
 }
 

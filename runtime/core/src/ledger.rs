@@ -154,6 +154,11 @@ pub(crate) struct Ledger {
     doubtful: BTreeMap<u64, Entry>,
     /// Inserts that the runtime is cancelling.
     recalled: BTreeSet<u64>,
+    /// The insert that the vehicle flew last, if it has reported the end of it, and nothing has begun since.
+    flown_last: Option<Entry>,
+    /// Inserts of which the vehicle has reported the end before it began one that core did not ask for. That one may have
+    /// interrupted them, so the vehicle may take them up again until its plan goes on.
+    left: Vec<Entry>,
 }
 
 impl Ledger {
@@ -247,6 +252,28 @@ impl Ledger {
         self.flyable().find(|entry| entry.identifier == Some(identifier))
     }
 
+    /// The vehicle has reported the end of an insert that it flew.
+    pub(crate) fn flown(&mut self, request: u64) {
+        self.flown_last = self.get(request).cloned();
+    }
+
+    /// The vehicle begins a behavior: an insert with this identifier, or one of its plan. Returns the insert that is over
+    /// by that.
+    pub(crate) fn begins(&mut self, insert: Option<BehaviorId>) -> Option<BehaviorId> {
+        let last = self.flown_last.take();
+        match insert {
+            None => self.left.clear(),
+            Some(insert) if self.sent(insert).is_some() => return last?.identifier,
+            Some(_) => self.left.extend(last),
+        }
+        None
+    }
+
+    /// The inserts that have ended, but that the vehicle may take up again.
+    pub(crate) fn left(&self) -> impl Iterator<Item = &Entry> + '_ {
+        self.left.iter()
+    }
+
     /// Whether another insert waits that interrupts. If so, the vehicle may resume after it what ends now.
     pub(crate) fn awaits_interrupter(&self, ended: u64) -> bool {
         let others = self.open.iter().chain(&self.doubtful);
@@ -316,7 +343,12 @@ impl Ledger {
 
     /// The vehicle has reported the end of the behavior with this identifier.
     pub(crate) fn settle_doubt_of(&mut self, identifier: BehaviorId) {
-        self.doubtful.retain(|_, entry| entry.identifier != Some(identifier));
+        let mut of = self
+            .doubtful
+            .extract_if(.., |_, entry| entry.identifier == Some(identifier));
+        if let Some((_, entry)) = of.next() {
+            self.flown_last = Some(entry);
+        }
     }
 
     /// The vehicle has sent its plan, for which core asked at `asked_at`. Open inserts that the plan names are there.
@@ -340,6 +372,8 @@ impl Ledger {
     /// The mission is over, and so is everything that it held.
     pub(crate) fn settle_all_doubt(&mut self) {
         self.doubtful.clear();
+        self.left.clear();
+        self.flown_last = None;
     }
 
     /// Notes whether the runtime is cancelling an insert.

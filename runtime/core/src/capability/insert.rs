@@ -367,7 +367,7 @@ impl Inserts {
             } else if asked_at < decided_at {
                 // The vehicle may not have decided on it when it was asked for the plan.
                 cx.timers.set(Timer::Plan, decided_at.max(cx.now));
-            } else if cx.vehicle.courses.current().is_some() && !cx.ledger.is_gps_hit(Some(request)) {
+            } else if cx.vehicle.courses.flies_plan() && !cx.ledger.is_gps_hit(Some(request)) {
                 cx.transition(request, RequestState::Failed(Failure::NotInPlan));
             } else {
                 // It may be flown. And BFPLN has no code for a GPS hit (6.20), so a plan without one proves nothing.

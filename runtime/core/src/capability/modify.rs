@@ -114,10 +114,6 @@ impl Modify {
 
     /// Checks a request and returns what each refresh sends.
     pub(crate) fn check(&self, cx: &Context, plugin: PluginId, asked: &ModifyRequest) -> Result<Setpoint, Refusal> {
-        cx.outlook().admit_beside_gps_hit()?;
-        if is_on(Check::PlanKnown) {
-            cx.outlook().knows_what_is_flown()?;
-        }
         let setpoint = cx.monitor.envelope.admit_modify(asked)?;
         cx.cap_steering(plugin, asked.duration)?;
         self.judge(cx, &setpoint)?;
@@ -179,6 +175,10 @@ impl Modify {
         };
         if cx.monitor.limits().modify_needs_plan && !cx.vehicle.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(Reason::PlanUnknown.into());
+        }
+        cx.outlook().admit_beside_gps_hit()?;
+        if is_on(Check::PlanKnown) {
+            cx.outlook().knows_what_is_flown()?;
         }
         let route = cx.outlook().route_of_modify();
         let lock = cx.vehicle.navigation.bottom_lock(cx.now);

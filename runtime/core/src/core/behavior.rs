@@ -123,7 +123,10 @@ impl Core {
             let interrupted = self.cx.ledger.awaits_interrupter(request);
             match self.cx.ledger.get_mut(request) {
                 Some(entry) if interrupted && entry.state == RequestState::Started => entry.interrupted = true,
-                _ => self.cx.transition(request, RequestState::Ended(EndCause::Flown.into())),
+                _ => {
+                    self.cx.ledger.flown(request);
+                    self.cx.transition(request, RequestState::Ended(EndCause::Flown.into()));
+                }
             }
         }
         course::ended(&mut self.cx, message.number, message.identifier);

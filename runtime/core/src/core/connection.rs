@@ -23,6 +23,9 @@ impl Core {
             session,
             ..
         } = self;
+        if !cx.vehicle.previous_run.is_none() {
+            course::may_be_led(cx);
+        }
         cx.link.begin(cx.now);
         cx.vehicle.reset();
         cx.control.forget();
@@ -50,8 +53,11 @@ impl Core {
         } = self;
         // No BPEMB reaches the vehicle: its own time limit ends the modify (safety requirement 007).
         cx.link.end();
-        cx.vehicle.previous_run.link_lost();
+        if cx.arbiter.is_steering() {
+            course::may_be_led(cx);
+        }
         course::lost(cx);
+        cx.vehicle.previous_run.link_lost();
         capabilities.end_leases(cx, Uncontrolled::LinkDown);
         cx.control.forget();
         cx.link.commands.clear();

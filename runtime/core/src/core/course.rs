@@ -1,12 +1,18 @@
 //! Follows the vehicle's course as its behaviors begin and end, and as navigation comes.
 
+use std::time::Duration;
+
 use backseat_spi::BehaviorId;
 use backseat_units::EastNorth;
 use backseat_units::math::hypot;
 
 use crate::context::Context;
-use crate::vehicle::course::{Begin, Flown, is_on};
+use crate::plugin::NavigationSample;
+use crate::vehicle::course::{Begin, Flown, Sighting, is_on};
 use crate::vehicle::navigation::Jump;
+
+/// The vehicle forgets a modify that is not refreshed (SPI 7.12).
+const MODIFY_LAPSES: Duration = Duration::from_secs(5);
 
 /// A behavior has begun here.
 pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<BehaviorId>) {
@@ -16,13 +22,26 @@ pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<Be
     };
     // Where an insert begins that is not ours does not matter, because nothing of ours steers while it is flown.
     let ours = identifier.is_none_or(|identifier| cx.ledger.by_identifier(identifier).is_some());
+    if let Some(over) = cx.ledger.begins(identifier) {
+        cx.vehicle.courses.ended(over);
+    }
     if ours && cx.vehicle.courses.may_have_begun_unheard(flown) {
         cx.vehicle.courses.resumed(flown);
     } else {
         let here = cx.outlook().begins_here();
         cx.vehicle.courses.began(cx.now, flown, here);
     }
-    if identifier.is_some_and(|identifier| may_interrupt(cx, identifier)) {
+    if let Some(identifier) = identifier {
+        inserted(cx, identifier);
+    }
+}
+
+/// The vehicle begins or ends an insert. Nobody may have heard it begin.
+fn inserted(cx: &mut Context, identifier: BehaviorId) {
+    if !cx.identifiers.is_ours(identifier) {
+        cx.vehicle.courses.is_shared();
+    }
+    if may_interrupt(cx, identifier) {
         cx.vehicle.courses.leave_plan();
     }
 }
@@ -36,10 +55,19 @@ fn may_interrupt(cx: &Context, identifier: BehaviorId) -> bool {
 
 /// A message or the link was lost. An insert that interrupts may have begun and ended meanwhile.
 pub(super) fn lost(cx: &mut Context) {
-    if cx.ledger.interrupts() {
+    if cx.outlook().others().next().is_some() {
+        cx.vehicle.courses.is_shared();
+    }
+    if cx.ledger.interrupts() || cx.vehicle.courses.shared() || cx.outlook().previous_run_may_fly() {
         cx.vehicle.courses.leave_plan();
     }
     cx.vehicle.courses.invalidate_after_loss();
+}
+
+/// The link is lost, or was lost in a previous run. If a modify leads the vehicle, it may do so until the vehicle forgets it.
+pub(super) fn may_be_led(cx: &mut Context) {
+    let delay = Duration::from_secs_f64(cx.monitor.limits().link_delay_max_s);
+    cx.vehicle.courses.may_be_led_until(cx.now + MODIFY_LAPSES + delay);
 }
 
 /// Navigation has come, perhaps with a jump. If it jumped close to a begin, the vehicle may have believed then that it
@@ -66,21 +94,15 @@ pub(super) fn ended(cx: &mut Context, number: Option<u32>, identifier: Option<Be
     if ended.is_some() && (current.is_none() || ended == current) {
         cx.vehicle.courses.unknown();
     }
-    let Some(identifier) = identifier else { return };
-    if may_interrupt(cx, identifier) {
-        // Nobody may have heard it begin.
-        cx.vehicle.courses.leave_plan();
-    }
-    let entry = cx.ledger.by_identifier(identifier);
-    if !entry.is_some_and(|request| cx.ledger.get(request).is_some_and(|entry| entry.interrupted)) {
-        cx.vehicle.courses.ended(identifier);
+    if let Some(identifier) = identifier {
+        inserted(cx, identifier);
     }
 }
 
 /// Notes whether the vehicle is on its line while no request of ours steers. From then on, it is no longer on the way
 /// to that line.
 pub(super) fn watch(cx: &mut Context) {
-    if cx.arbiter.is_steering() {
+    if cx.arbiter.is_steering() || cx.vehicle.courses.may_be_led(cx.now) {
         return cx.vehicle.courses.led_away();
     }
     let Some(navigation) = cx.vehicle.navigation.newest().copied() else {
@@ -100,31 +122,45 @@ pub(super) fn watch(cx: &mut Context) {
     let within_m = cx.monitor.limits().tracking_error_m;
     let is_on = |line| is_on(line, navigation.local, velocity, within_m);
     match cx.vehicle.courses.current() {
-        None => {
-            let mut paths: Vec<Flown> = Vec::new();
-            let outlook = cx.outlook();
-            let lines = match cx.vehicle.courses.resumes() {
-                // The way to its line may run along the line of another.
-                Some(flown) => outlook
-                    .first_line_of(flown)
-                    .map(|line| (flown, line))
-                    .into_iter()
-                    .collect(),
-                None => outlook.lines_that_may_be_flown(),
-            };
-            for (flown, line) in lines {
-                if is_on(line) && !paths.contains(&flown) {
-                    paths.push(flown);
-                }
-            }
-            if cx.vehicle.courses.placed().is_empty() && cx.vehicle.courses.keeps_to(cx.now, &paths) {
-                cx.vehicle.plan.seen_at(cx.vehicle.courses.placed());
-            }
-        }
+        None if cx.vehicle.courses.placed().is_empty() => look(cx, &navigation, is_on),
+        None => {}
         Some(current) if cx.vehicle.courses.is_placed_on(current) => {}
         Some(current) => {
             let on_line = cx.outlook().first_line_of(current).is_some_and(is_on);
             cx.vehicle.courses.is_on_line(cx.now, current, on_line);
         }
     }
+}
+
+/// Nobody has heard what is flown: looks for the planned behaviors along whose lines the vehicle moves.
+fn look(cx: &mut Context, navigation: &NavigationSample, is_on: impl Fn((EastNorth, EastNorth)) -> bool) {
+    let outlook = cx.outlook();
+    let lines = match cx.vehicle.courses.resumes() {
+        // The way to its line may run along the line of another.
+        Some(number) => outlook
+            .first_line_of(Flown::Planned(number))
+            .map(|line| (number, line))
+            .into_iter()
+            .collect(),
+        None => outlook.lines_that_may_be_flown(),
+    };
+    let mut along: Vec<u32> = Vec::new();
+    for (number, line) in lines {
+        if is_on(line) && !along.contains(&number) {
+            along.push(number);
+        }
+    }
+    if !cx.vehicle.courses.keeps_to(cx.now, &along) {
+        return;
+    }
+    let sighted = match cx.vehicle.courses.resumes() {
+        Some(number) => vec![Sighting {
+            number,
+            on_first_line: true,
+            comes_from: None,
+        }],
+        None => cx.outlook().sighted(&along, navigation, is_on),
+    };
+    cx.vehicle.courses.seen_on(&sighted);
+    cx.vehicle.plan.seen_at(cx.vehicle.courses.placed());
 }

@@ -38,7 +38,8 @@ impl Core {
                     if line.is_of_plan {
                         self.cx.vehicle.plan.unreadable();
                     }
-                    if line.swallows {
+                    let begins_or_ends = matches!(error.message, "BFMBS" | "BFMBE");
+                    if line.swallows || begins_or_ends {
                         self.invalidate_after_loss();
                     }
                     if self.cx.control.doubt(&self.cx.settings.control, error.message) {
@@ -58,9 +59,11 @@ impl Core {
         }
     }
 
+    /// A message was lost. If a modify is steering, it goes on only if it would be allowed now.
     fn invalidate_after_loss(&mut self) {
         course::lost(&mut self.cx);
         self.cx.vehicle.invalidate_after_loss();
+        self.capabilities.modify.prevent(&mut self.cx);
     }
 
     fn malformed(&mut self, error: &DecodeError) {

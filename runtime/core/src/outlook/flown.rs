@@ -8,10 +8,9 @@ use backseat_units::EastNorth;
 use super::Outlook;
 use crate::ledger::Entry;
 use crate::mutations::{Check, is_on};
-use crate::plugin::{Refusal, RequestState};
+use crate::plugin::{NavigationSample, Refusal, RequestState};
 use crate::refusal::Reason;
-use crate::vehicle::course::{Begin, Flown};
-use crate::vehicle::plan::Element;
+use crate::vehicle::course::{Begin, Flown, Sighting, leads_to};
 
 impl Outlook<'_> {
     /// Where the vehicle was at the newest navigation, and how far it may have gone since.
@@ -50,20 +49,26 @@ impl Outlook<'_> {
         self.knows_what_is_taken_up(false)
     }
 
-    /// Whether core has seen on which lines the vehicle may be, and knows what they belong to.
+    /// Whether core has seen which planned behaviors the vehicle may fly, and the plan has them.
     pub(crate) fn is_placed(&self) -> bool {
         let placed = self.vehicle.courses.placed();
-        let known = |flown: &Flown| match flown {
-            Flown::Planned(number) => self.vehicle.plan.names(*number),
-            Flown::Inserted(identifier) => self.ledger.by_identifier(*identifier).is_some(),
-        };
-        !placed.is_empty() && placed.iter().all(known)
+        !placed.is_empty() && placed.iter().all(|number| self.vehicle.plan.names(*number))
     }
 
     /// Whether core has heard what the vehicle flies. Core needs this to judge the way to an insert.
     pub(crate) fn heard_what_is_flown(&self, interrupts: bool) -> Result<(), Refusal> {
-        if self.vehicle.courses.current().is_none() {
-            return Err(Reason::BeginUnheard.into());
+        match self.vehicle.courses.current() {
+            None => return Err(Reason::BeginUnheard.into()),
+            Some(Flown::Planned(_)) => {}
+            Some(Flown::Inserted(identifier)) => {
+                // Where another one ends is not known. It may be another payload's that the plan does not name, or one
+                // of ours that the vehicle had refused.
+                let ours = self.ledger.sent(identifier).is_some();
+                let named = !self.identifiers.is_ours(identifier) && self.vehicle.plan.has(identifier);
+                if !ours && !named {
+                    return Err(Reason::FlownNotPlanned.into());
+                }
+            }
         }
         self.knows_what_is_taken_up(interrupts)
     }
@@ -76,33 +81,67 @@ impl Outlook<'_> {
         Ok(())
     }
 
-    /// The lines of the plan and of our open tracklines, and what each belongs to. Empty if the vehicle may fly
-    /// anything else.
-    pub(crate) fn lines_that_may_be_flown(&self) -> Vec<(Flown, (EastNorth, EastNorth))> {
+    /// The lines of the plan, and the number of the behavior to which each belongs. Empty if the vehicle may fly an
+    /// insert: the line of an insert, or the way to it, may run along the plan's.
+    pub(crate) fn lines_that_may_be_flown(&self) -> Vec<(u32, (EastNorth, EastNorth))> {
         let mut others = self.others();
-        if !self.vehicle.plan.is_complete() || others.next().is_some() {
+        let only_plan = others.next().is_none() && self.ledger.open_inserts() == 0 && !self.previous_run_may_fly();
+        if !self.vehicle.plan.is_complete() || !only_plan {
             return Vec::new();
         }
-        let planned = self
-            .vehicle
-            .plan
-            .lines()
-            .map(|(number, line)| (Flown::Planned(number), line));
-        let ours = self.ledger.iter().filter_map(|(_, entry)| {
-            let (identifier, insert) = (entry.identifier?, entry.insert?);
-            Some((
-                Flown::Inserted(identifier),
-                self.monitor.envelope.line_with_leads(&insert)?,
-            ))
-        });
-        planned.chain(ours).collect()
+        self.vehicle.plan.lines().collect()
+    }
+
+    /// The planned behaviors that the vehicle may fly, if it moves `along` lines of some. It may also be on the way to a
+    /// behavior that begins ahead of it: no message tells where that way began.
+    pub(crate) fn sighted(
+        &self,
+        along: &[u32],
+        navigation: &NavigationSample,
+        is_on: impl Fn((EastNorth, EastNorth)) -> bool,
+    ) -> Vec<Sighting> {
+        let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
+        let mut sighted: Vec<Sighting> = Vec::new();
+        for element in self.vehicle.plan.planned() {
+            let Some(number) = element.number else { continue };
+            if sighted.iter().any(|sighting| sighting.number == number) {
+                continue;
+            }
+            let ahead = leads_to(navigation.local, velocity, element.first());
+            let comes_from = ahead.then(|| self.comes_along(navigation.local, element.first()));
+            if comes_from.is_some() || along.contains(&number) {
+                sighted.push(Sighting {
+                    number,
+                    on_first_line: self.first_line_of(Flown::Planned(number)).is_some_and(&is_on),
+                    comes_from,
+                });
+            }
+        }
+        sighted
+    }
+
+    /// The way on which the vehicle may be `here`, `to` the first point of a behavior. It counts as far back as a modify
+    /// may lead the vehicle.
+    fn comes_along(&self, here: EastNorth, to: EastNorth) -> Begin {
+        let limits = self.monitor.limits();
+        let back_m = limits.speed_max_mps * (limits.modify_term_max_s + limits.link_delay_max_s);
+        let left_m = here.distance_m(to);
+        let back = (here - to) * (back_m / left_m);
+        Begin {
+            at: here + back,
+            within_m: limits.tracking_error_m * (1.0 + back_m / left_m),
+        }
     }
 
     /// The line of a behavior, or the first of several, without leads. The others do not count, because the way to the
     /// first may lead along any of them.
     pub(crate) fn first_line_of(&self, flown: Flown) -> Option<(EastNorth, EastNorth)> {
         match flown {
-            Flown::Planned(_) => self.vehicle.plan.flown().flat_map(Element::legs).next(),
+            Flown::Planned(number) => {
+                let mut planned = self.vehicle.plan.planned();
+                let first = planned.find(|element| element.number == Some(number));
+                first.and_then(|element| element.legs().next())
+            }
             Flown::Inserted(identifier) => {
                 let insert = self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert?;
                 self.monitor.envelope.line_without_leads(&insert)

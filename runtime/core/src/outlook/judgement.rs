@@ -57,11 +57,17 @@ impl Outlook<'_> {
                 break;
             }
         }
+        let ends = self.others().map(|(_, element)| End::At(element.last()));
+        let mut from: Vec<(End, bool)> = ends.map(|end| (end, false)).collect();
+        from.extend(
+            waiting
+                .iter()
+                .map(|insert| (self.monitor.envelope.ends(insert).1, insert.surfaces())),
+        );
         let tracks = self.taken_up_after(true);
         let before_s = self.before_insert_s(false) + interrupts_for_s;
-        for insert in waiting {
-            let from = self.monitor.envelope.ends(&insert).1;
-            let passage = self.passage(navigation.depth, insert.surfaces(), before_s);
+        for (from, surfaces) in from {
+            let passage = self.passage(navigation.depth, surfaces, before_s);
             for track in &tracks {
                 let judged = self.monitor.envelope.judge_way_onto((from, track), &passage);
                 judged.map_err(|refusal| Refusal::WayBack(Box::new(refusal)))?;

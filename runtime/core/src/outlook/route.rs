@@ -5,7 +5,6 @@ use backseat_units::Depth;
 use super::Outlook;
 use crate::monitor::envelope::{End, Insert, Passage, Route, Track};
 use crate::plugin::RequestState;
-use crate::vehicle::course::Flown;
 use crate::vehicle::plan::Element;
 
 /// From above the surface to the deepest sea.
@@ -21,21 +20,13 @@ impl Outlook<'_> {
             seen_mps: self.vehicle.courses.seen_mps(),
             ..Route::default()
         };
-        // A vehicle that is on its way to the start of its path comes back to that way. A vehicle that core has seen on
-        // its line has no such way before it.
-        let begun = match self.vehicle.courses.current() {
-            Some(_) => self.vehicle.courses.of_current(),
-            None => Vec::new(),
-        };
-        let placed = self.vehicle.courses.placed();
+        // A vehicle that is on its way to the start of its path comes back to that way.
+        let begun = self.vehicle.courses.of_current();
         let mut flying = false;
         for (_, entry) in self.ledger.iter() {
             let Some(insert) = entry.insert else { continue };
-            let seen = entry
-                .identifier
-                .is_some_and(|own| placed.contains(&Flown::Inserted(own)));
             let heard = self.vehicle.courses.current().is_some() && entry.state == RequestState::Started;
-            if seen || heard {
+            if heard {
                 route.legs.extend(self.tracks_of_insert(&insert, &begun));
             }
             flying |= heard;
@@ -123,11 +114,16 @@ impl Outlook<'_> {
     /// may also be anywhere on the element of its plan that it flies, or between that element and the place from which
     /// it comes back to it: where it is now, or the end of the insert that interrupts the element.
     pub(crate) fn comes_from(&self, before: &[(u64, Insert, bool)]) -> Vec<End> {
-        let mut from = Vec::new();
+        // Inserts that are not ours come before the next one too (SPI 7.5: a new one is appended at the end of the
+        // set).
+        let others = self.others();
+        let mut from: Vec<End> = others.map(|(_, element)| End::At(element.last())).collect();
         for (request, insert, begun) in before.iter().rev() {
             from.push(self.monitor.envelope.ends(insert).1);
             // After an insert that interrupts, the vehicle may take up again what it left.
+            let interrupted = self.ledger.get(*request).is_some_and(|entry| entry.interrupted);
             if !insert.interrupt
+                && !interrupted
                 && self.vehicle.courses.current().is_some()
                 && (*begun || self.is_surely_flown(*request))
             {
@@ -147,10 +143,6 @@ impl Outlook<'_> {
         let begun = self.vehicle.courses.of_current();
         let tracks = self.tracks_of_lines(&begun, &lines);
         from.extend(tracks.iter().map(|track| End::on_or_beside(track, aside)));
-        // Inserts that are not ours come before the next one too (SPI 7.5: a new one is appended at the end of the
-        // set).
-        let others = self.others();
-        from.extend(others.map(|(_, element)| End::At(element.last())));
         if from.is_empty() {
             from.extend(here);
         }

@@ -69,7 +69,15 @@ impl Outlook<'_> {
             tracks.extend(self.tracks_of_lines(&begun, &planned));
         }
         let may_resume = |entry: &Entry| entry.interrupted || (interrupts && entry.state == RequestState::Started);
-        for (_, entry) in self.ledger.iter().filter(|(_, entry)| may_resume(entry)) {
+        let open = self
+            .ledger
+            .iter()
+            .map(|(_, entry)| entry)
+            .filter(|entry| may_resume(entry));
+        // An insert may be flown although it was not answered. What has interrupted the plan may have interrupted that.
+        let left_plan = interrupts || self.vehicle.courses.has_left_plan();
+        let doubtful = self.ledger.doubtful().filter(|_| left_plan);
+        for entry in open.chain(self.ledger.left()).chain(doubtful) {
             let Some(insert) = entry.insert else { continue };
             let begun = entry
                 .identifier

@@ -84,7 +84,7 @@ reasons! {
     PlanUnknown "plan-unknown" Plan "plan unknown: cannot check the return path";
     PlanUnknownForInsert "plan-unknown-for-insert" Plan "plan unknown: cannot check the way to the insert";
     PlanUnknownNext "plan-unknown-next" Plan "plan unknown: cannot check the way to what comes next";
-    FlownUnheard "flown-unheard" Plan "current behavior unknown: for 10 s the vehicle has not followed one line of its plan or of an open trackline";
+    FlownUnheard "flown-unheard" Plan "current behavior unknown: no begin was heard, nor has the vehicle followed a line of its plan for 10 s with no insert open";
     FlownNotPlanned "flown-not-planned" Plan "the current behavior is neither in the plan nor an open insert of this run: cannot check the return path";
     BeginUnheard "begin-unheard" Plan "current behavior unknown: cannot check the way to the insert";
     TakenUpUnheard "taken-up-unheard" Plan "it is unknown where the planned behavior began that the vehicle may resume: cannot check the return path";

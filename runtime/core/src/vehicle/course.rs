@@ -46,6 +46,16 @@ pub(crate) struct Begin {
     pub(crate) within_m: f64,
 }
 
+/// One of the planned behaviors that the vehicle may fly, if it was seen and not heard.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sighting {
+    pub(crate) number: u32,
+    /// The vehicle is on the first line of it, so the way to that line is behind the vehicle.
+    pub(crate) on_first_line: bool,
+    /// The vehicle may be on the way to it: from where.
+    pub(crate) comes_from: Option<Begin>,
+}
+
 /// The behaviors whose begin core may have missed since the newest planned behavior that it can place. The vehicle may
 /// have left them for an insert that interrupts, and may take them up again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,16 +81,20 @@ pub(crate) struct Courses {
     unplaced: bool,
     /// Since when the vehicle has moved along the line of what is flown now.
     on_line_since: Option<Timestamp>,
-    /// If nobody heard what is flown: the behaviors along whose lines the vehicle moves, and since when.
-    along: Vec<(Flown, Timestamp)>,
-    /// If nobody heard what is flown: the behaviors of which one was seen to be flown.
-    placed: Vec<Flown>,
+    /// If nobody heard what is flown: the planned behaviors along whose lines the vehicle moves, and since when.
+    along: Vec<(u32, Timestamp)>,
+    /// If nobody heard what is flown: the planned behaviors of which one was seen to be flown.
+    placed: Vec<u32>,
     /// The vehicle may have left a behavior of its plan that is not done, for an insert that interrupts, and no planned
     /// behavior has begun since. Other inserts may be flown first (SPI 7.5).
     left_plan: bool,
+    /// Another payload inserts into this mission too. Its inserts may interrupt, and they may begin and end unheard.
+    shared: bool,
     missed: Missed,
-    /// What was heard to begin, if it is not known where the vehicle continues it.
-    resumed: Option<Flown>,
+    /// The planned behavior that was heard to begin, if it is not known where the vehicle continues it.
+    resumed: Option<u32>,
+    /// Until then a modify may still lead the vehicle that was sent before the link was lost, or by a previous run.
+    led_until: Timestamp,
     /// Since when the vehicle has neither climbed nor dived, while nothing of ours steers.
     level_since: Option<Timestamp>,
     /// The vehicle has reached the depth of what is flown now.
@@ -107,6 +121,16 @@ impl Courses {
         self.left_plan = true;
     }
 
+    /// Another payload inserts into this mission too.
+    pub(crate) const fn is_shared(&mut self) {
+        self.shared = true;
+    }
+
+    /// Whether another payload inserts into this mission too.
+    pub(crate) const fn shared(&self) -> bool {
+        self.shared
+    }
+
     /// Whether the vehicle may have flown this behavior before, with a begin that nobody heard: it may then continue
     /// from there, and the place where it begins now says nothing about its way.
     pub(crate) fn may_have_begun_unheard(&self, flown: Flown) -> bool {
@@ -119,19 +143,29 @@ impl Courses {
 
     /// A behavior has begun that the vehicle may have flown before, with a begin that nobody heard.
     pub(crate) fn resumed(&mut self, flown: Flown) {
+        self.unknown();
         if let Flown::Planned(number) = flown {
             self.begun.clear();
             self.left_plan = false;
             self.missed = Missed::Only(number);
+            self.resumed = Some(number);
         }
-        self.unknown();
-        self.resumed = Some(flown);
     }
 
-    /// What was heard to begin, if it is not known where the vehicle continues it. The vehicle flies this and nothing
-    /// else.
-    pub(crate) const fn resumes(&self) -> Option<Flown> {
+    /// The planned behavior that was heard to begin, if it is not known where the vehicle continues it. The vehicle
+    /// flies this and nothing else.
+    pub(crate) const fn resumes(&self) -> Option<u32> {
         self.resumed
+    }
+
+    /// Until then a modify may lead the vehicle that this process can no longer end.
+    pub(crate) fn may_be_led_until(&mut self, then: Timestamp) {
+        self.led_until = self.led_until.max(then);
+    }
+
+    /// Whether a modify may lead the vehicle that this process can no longer end.
+    pub(crate) fn may_be_led(&self, now: Timestamp) -> bool {
+        now < self.led_until
     }
 
     /// A behavior has begun, at this place if it is known.
@@ -207,6 +241,8 @@ impl Courses {
 
     /// A message or the link was lost: it may have been a begin or an end.
     pub(crate) fn invalidate_after_loss(&mut self) {
+        // What the vehicle takes up again may have been interrupted before: it is still not known where it began.
+        self.left_plan |= matches!(self.missed, Missed::Only(_));
         self.missed = Missed::Any;
         self.unknown();
     }
@@ -226,40 +262,37 @@ impl Courses {
         self.placed.clear();
     }
 
-    /// Nobody has heard what is flown, and nothing of ours steers: the vehicle moves along the lines of these
-    /// behaviors. Returns true once it has done so for long enough to show that it flies one of them.
-    pub(crate) fn keeps_to(&mut self, now: Timestamp, paths: &[Flown]) -> bool {
-        let since = |path: &Flown| {
-            let before = self.along.iter().find(|(along, _)| along == path);
-            (*path, before.map_or(now, |(_, since)| *since))
+    /// Nobody has heard what is flown, and nothing of ours steers: the vehicle moves along lines of these planned
+    /// behaviors. Returns true once it has done so for long enough to show that it flies its plan.
+    pub(crate) fn keeps_to(&mut self, now: Timestamp, along: &[u32]) -> bool {
+        let since = |number: &u32| {
+            let before = self.along.iter().find(|(along, _)| along == number);
+            (*number, before.map_or(now, |(_, since)| *since))
         };
-        self.along = paths.iter().map(since).collect();
-        let long = |(_, since): &(Flown, Timestamp)| now.since(*since) >= ON_LINE_FOR;
-        let seen = self.along.iter().any(long);
-        if seen {
-            self.placed = paths.to_vec();
-            // The vehicle is on the line of what it flies, so the way to that is behind it. If that may be an insert, the
-            // way to a planned behavior is not.
-            let of_plan = self.flies_plan();
-            for path in paths {
-                if of_plan || matches!(path, Flown::Inserted(_)) {
-                    self.begun.insert(*path, Vec::new());
-                }
-            }
-            if of_plan {
-                self.left_plan = false;
-                self.missed = Missed::Nothing;
-            }
+        self.along = along.iter().map(since).collect();
+        self.along.iter().any(|(_, since)| now.since(*since) >= ON_LINE_FOR)
+    }
+
+    /// The vehicle was seen to fly one of these planned behaviors and nothing else.
+    pub(crate) fn seen_on(&mut self, seen: &[Sighting]) {
+        let mut begun = BTreeMap::new();
+        for sighting in seen {
+            let flown = Flown::Planned(sighting.number);
+            let known = self.begun.remove(&flown).filter(|_| !sighting.on_first_line);
+            let begins: &mut Vec<Begin> = begun.entry(flown).or_insert_with(|| known.unwrap_or_default());
+            begins.extend(sighting.comes_from);
         }
-        seen
+        self.placed = seen.iter().map(|sighting| sighting.number).collect();
+        self.begun = begun;
+        self.left_plan = false;
+        self.missed = Missed::Nothing;
     }
 
     /// Whether the vehicle surely flies its plan: core has heard it begin, or has seen the vehicle on its lines alone.
     pub(crate) fn flies_plan(&self) -> bool {
-        let planned = |flown: &Flown| matches!(flown, Flown::Planned(_));
         match self.current {
-            Some(current) => planned(&current),
-            None => !self.placed.is_empty() && self.placed.iter().all(planned),
+            Some(current) => matches!(current, Flown::Planned(_)),
+            None => !self.placed.is_empty(),
         }
     }
 
@@ -314,8 +347,8 @@ impl Courses {
         self.current
     }
 
-    /// The behaviors of which one was seen to be flown, if nobody heard it begin.
-    pub(crate) fn placed(&self) -> &[Flown] {
+    /// The planned behaviors of which one was seen to be flown, if nobody heard it begin.
+    pub(crate) fn placed(&self) -> &[u32] {
         &self.placed
     }
 
@@ -339,9 +372,10 @@ impl Courses {
         planned.flat_map(|(_, begun)| begun.iter().copied()).collect()
     }
 
-    /// Whether it is unknown where the planned behavior began that the vehicle may take up again.
+    /// Whether it is unknown where the planned behavior began that the vehicle may take up again. If any begin may have
+    /// been missed, it may be another behavior than the one that was heard last.
     pub(crate) fn lacks_plan(&self) -> bool {
-        !self.begun.keys().any(|flown| matches!(flown, Flown::Planned(_)))
+        self.missed == Missed::Any || !self.begun.keys().any(|flown| matches!(flown, Flown::Planned(_)))
     }
 
     /// Where a behavior may have begun.
@@ -366,6 +400,14 @@ pub(crate) fn is_on((start, end): (EastNorth, EastNorth), here: EastNorth, veloc
         && right_m.abs() <= within_m
         && speed_mps > 0.0
         && dot(velocity, along) >= ALONG * speed_mps
+}
+
+/// Whether the vehicle moves towards a place.
+pub(crate) fn leads_to(here: EastNorth, velocity: EastNorth, place: EastNorth) -> bool {
+    let (to, left_m) = (place - here, here.distance_m(place));
+    let speed_mps = hypot(velocity.east_m, velocity.north_m);
+    let ahead = to.east_m * velocity.east_m + to.north_m * velocity.north_m;
+    left_m > 0.0 && ahead >= ALONG * speed_mps * left_m
 }
 
 #[cfg(test)]
@@ -402,10 +444,10 @@ mod tests {
         assert!(courses.is_placed_on(Flown::Planned(1)));
 
         let mut unheard = Courses::default();
-        assert!(!unheard.keeps_to(after(1), &[Flown::Planned(1)]));
+        assert!(!unheard.keeps_to(after(1), &[1]));
         unheard.led_away();
-        assert!(!unheard.keeps_to(after(12), &[Flown::Planned(1)]));
-        assert!(unheard.keeps_to(after(22), &[Flown::Planned(1)]));
+        assert!(!unheard.keeps_to(after(12), &[1]));
+        assert!(unheard.keeps_to(after(22), &[1]));
     }
 
     #[test]
@@ -430,48 +472,52 @@ mod tests {
 
     #[test]
     fn what_was_not_heard_is_seen_after_ten_seconds_on_one_path() {
-        let (second, third) = (Flown::Planned(2), Flown::Planned(3));
         let at = |seconds: u64| Timestamp::from_millis(1000 * seconds);
         let mut courses = Courses::default();
         // Ten seconds on the two paths, but on neither of them for that long.
-        assert!(!courses.keeps_to(at(0), &[second]));
-        assert!(!courses.keeps_to(at(5), &[second, third]));
-        assert!(!courses.keeps_to(at(8), &[third]));
-        assert!(!courses.keeps_to(at(14), &[second, third]));
-        assert!(courses.keeps_to(at(15), &[second, third]));
-        // Both count, because it may be either.
-        assert_eq!(courses.placed(), [second, third]);
+        assert!(!courses.keeps_to(at(0), &[2]));
+        assert!(!courses.keeps_to(at(5), &[2, 3]));
+        assert!(!courses.keeps_to(at(8), &[3]));
+        assert!(!courses.keeps_to(at(14), &[2, 3]));
+        assert!(courses.keeps_to(at(15), &[2, 3]));
         courses.invalidate_after_loss();
-        assert_eq!(courses.placed(), []);
-        assert!(!courses.keeps_to(at(16), &[third]));
+        assert!(!courses.keeps_to(at(16), &[3]));
         assert!(!courses.keeps_to(at(20), &[]));
-        assert!(!courses.keeps_to(at(26), &[third]));
-        courses.began(at(30), third, None);
-        assert!(!courses.keeps_to(at(36), &[third]));
+        assert!(!courses.keeps_to(at(26), &[3]));
+        courses.began(at(30), Flown::Planned(3), None);
+        assert!(!courses.keeps_to(at(36), &[3]));
     }
 
     #[test]
-    fn sr_002_who_may_fly_an_insert_may_still_come_back_to_the_way_to_a_leg() {
-        let (leg, insert) = (Flown::Planned(2), Flown::Inserted(BehaviorId::new(7)));
-        let at = |seconds: u64| Timestamp::from_millis(1000 * seconds);
-        let seen_on = |paths: &[Flown]| {
+    fn sr_002_who_is_seen_on_a_later_line_may_still_be_on_the_way_to_the_first() {
+        let seen = |on_first_line, comes_from| {
             let mut courses = Courses::default();
-            courses.began(at(0), leg, Some(begin(2.0)));
+            courses.began(Timestamp::default(), Flown::Planned(2), Some(begin(2.0)));
             courses.leave_plan();
             courses.invalidate_after_loss();
-            assert!(!courses.keeps_to(at(1), paths));
-            assert!(courses.keeps_to(at(11), paths));
-            courses
+            assert!(courses.lacks_plan() && courses.may_have_begun_unheard(Flown::Planned(2)));
+            courses.seen_on(&[Sighting {
+                number: 2,
+                on_first_line,
+                comes_from,
+            }]);
+            assert_eq!(courses.placed(), [2]);
+            assert!(courses.flies_plan() && !courses.has_left_plan() && !courses.lacks_plan());
+            assert!(!courses.may_have_begun_unheard(Flown::Planned(2)));
+            courses.of_current()
         };
-        let plan = seen_on(&[leg]);
-        assert!(!plan.has_left_plan() && plan.flies_plan());
-        assert_eq!((plan.of_plan(), plan.may_have_begun_unheard(leg)), (vec![], false));
-        let either = seen_on(&[leg, insert]);
-        assert!(either.has_left_plan() && !either.flies_plan());
-        assert_eq!(
-            (either.of_plan(), either.may_have_begun_unheard(leg)),
-            (vec![begin(2.0)], true)
-        );
+        assert_eq!(seen(true, None), []);
+        assert_eq!(seen(false, None), [begin(2.0)]);
+        assert_eq!(seen(false, Some(begin(7.0))), [begin(2.0), begin(7.0)]);
+    }
+
+    #[test]
+    fn a_vehicle_leads_to_what_lies_ahead_of_it() {
+        let here = at(10.0, 0.0);
+        assert!(leads_to(here, at(1.5, 0.3), at(100.0, 0.0)));
+        assert!(!leads_to(here, at(1.5, 0.5), at(100.0, 0.0)));
+        assert!(!leads_to(here, at(1.5, 0.0), at(0.0, 0.0)));
+        assert!(!leads_to(here, at(1.5, 0.0), here));
     }
 
     #[test]

@@ -3,8 +3,6 @@ use std::collections::BTreeSet;
 use backseat_spi::{BehaviorId, PlanElement, PlanElementKind};
 use backseat_units::{EastNorth, LocalFrame, Timestamp};
 
-use crate::vehicle::course::Flown;
-
 /// A plan with more points than this is not believed.
 const POINTS_MAX: usize = 10_000;
 /// How many of the numbers that the plan does not have are remembered.
@@ -217,14 +215,9 @@ impl Plan {
         self.seen.clear();
     }
 
-    /// The begin of what is flown was not heard, but the vehicle was seen to follow the lines of these: it flies one of
-    /// them. If one of them is an insert, the place in the plan is still unknown.
-    pub(crate) fn seen_at(&mut self, flown: &[Flown]) {
-        let number = |flown: &Flown| match flown {
-            Flown::Planned(number) => Some(*number),
-            Flown::Inserted(_) => None,
-        };
-        self.seen = flown.iter().map(number).collect::<Option<_>>().unwrap_or_default();
+    /// The begin of what is flown was not heard, but the vehicle was seen to fly one of these.
+    pub(crate) fn seen_at(&mut self, numbers: &[u32]) {
+        self.seen = numbers.to_vec();
     }
 
     /// An insert has begun. The planned behavior that ended before it is the one after which it was inserted, and which

@@ -50,4 +50,5 @@ mod topside;
 mod trial;
 mod unheard;
 mod vehicle;
+mod ways;
 mod windows;

@@ -479,31 +479,6 @@ fn sr_002_the_depth_of_an_insert_does_not_count_as_that_of_the_plan() {
 }
 
 #[test]
-fn sr_002_the_depth_of_an_insert_that_is_only_seen_does_not_count_as_that_of_the_plan() {
-    let after = |seconds: f64| {
-        let mut trial = Trial::with(Setup {
-            fence: course::harbour(),
-            ..Setup::default()
-        });
-        trial.vehicle.moved = Some((2, EastNorth::new(400.0, -300.0)));
-        trial.vehicle.depth_m = 20.0;
-        trial.run_for(seconds);
-        accepted(&mut trial, at_once(line(1, (-300.0, -400.0), (0.0, -400.0))), 1);
-        ends(&mut trial, Some(1), None);
-        begins(&mut trial, None, Some(1));
-        outage(&mut trial);
-        // It flies along the insert's line, at 20 m.
-        led_to(&mut trial, -250.0, -400.0);
-        trial.run_for(20.0);
-        led_to(&mut trial, 1000.0, 600.0);
-        trial
-    };
-    accepted(&mut after(9.0), Request::Modify(modify(8)), 8);
-    // The plan may be flown at a depth at which the shoals count.
-    refused_for(&mut after(2.0), Request::Modify(modify(9)), 9, "shoals");
-}
-
-#[test]
 fn sr_002_the_depth_of_another_payloads_insert_is_unknown() {
     let mut trial = Trial::with(Setup {
         fence: course::harbour(),

@@ -299,9 +299,11 @@ fn sr_002_a_behavior_that_is_taken_up_again_may_continue_from_a_begin_that_a_kil
 #[test]
 fn sr_002_a_behavior_that_is_taken_up_again_is_seen_only_on_its_own_line() {
     let on_the_way_to_the_third = |heard: bool| {
-        let mut trial = on_its_way(successor(0));
+        let mut trial = on_its_way(if heard { successor(0) } else { Trial::new() });
         if heard {
             begins(&mut trial, Some(1), None);
+        } else {
+            outage(&mut trial);
         }
         trial.vehicle.heading_deg = 270.0;
         let then_s = trial.now.as_nanos() as f64 / 1e9 + 12.0;
@@ -309,7 +311,7 @@ fn sr_002_a_behavior_that_is_taken_up_again_is_seen_only_on_its_own_line() {
         trial.run_for(15.0);
         modified(trial)
     };
-    // For comparison: nothing is heard, so what is seen counts.
+    // For comparison: nothing is heard and no insert may be flown, so what is seen counts.
     let seen = on_the_way_to_the_third(false);
     assert!(seen.contains("Accepted"), "{seen}");
     let heard = on_the_way_to_the_third(true);

@@ -14,12 +14,6 @@ impl Envelope {
         }
     }
 
-    /// The same line with its longest leads.
-    pub(crate) fn line_with_leads(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
-        let (start, end) = self.line_without_leads(insert)?;
-        Some(self.with_leads(start, end))
-    }
-
     /// The two points between which an insert's path begins, if the vehicle began the insert at `begun`. The length of
     /// a lead-in is not known. If a circle has no entry angle, the place where the vehicle enters it is not known
     /// either.

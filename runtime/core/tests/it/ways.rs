@@ -1,4 +1,4 @@
-//! Audit: what is still open of SR-002 where a begin or an end was not heard. Each `f..` fails while the hole is open.
+//! The ways that the vehicle may take after begins and ends that were not heard, or that belong to inserts of others.
 
 use backseat_core::plugin::Request;
 use backseat_units::EastNorth;
@@ -21,7 +21,6 @@ fn fate(trial: &mut Trial, request: Request, tag: u64) -> String {
 
 #[track_caller]
 fn refused(what: &str, fate: &str) {
-    println!("{what}: {fate}");
     assert!(
         !fate.contains("Accepted") && !fate.contains("Sent") && !fate.contains("Ended"),
         "{what}: it was sent: {fate}"
@@ -30,7 +29,6 @@ fn refused(what: &str, fate: &str) {
 
 #[track_caller]
 fn wreck(what: &str, fate: &str) {
-    println!("{what}: {fate}");
     assert!(fate.contains("wreck"), "{what}: {fate}");
 }
 
@@ -57,9 +55,9 @@ fn put(trial: &mut Trial, heading_deg: f64, east_m: f64, north_m: f64) {
     trial.run_for(12.0);
 }
 
-/// F1: the begin of the leg that was interrupted was lost, but core still has the begin of another leg.
+/// The begin of the leg that was interrupted was lost, but core still has the begin of another leg.
 #[test]
-fn f1_the_begin_of_another_leg_does_not_show_what_is_taken_up() {
+fn sr_002_the_begin_of_another_leg_does_not_show_what_is_taken_up() {
     let flown = |lose: bool| {
         let mut trial = Trial::new();
         // The second behavior is a place at (-600, 0).
@@ -85,9 +83,9 @@ fn f1_the_begin_of_another_leg_does_not_show_what_is_taken_up() {
     refused("lost", &flown(true));
 }
 
-/// F1b: the same over a link loss, nothing heard after it.
+/// The same over a link loss, nothing heard after it.
 #[test]
-fn f1b_the_begin_of_another_leg_does_not_show_what_is_taken_up_after_an_outage() {
+fn sr_002_the_begin_of_another_leg_does_not_show_what_is_taken_up_after_an_outage() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((2, EastNorth::new(-1200.0, -300.0)));
     trial.run_for(2.0);
@@ -161,9 +159,9 @@ fn along_the_leg_then_led_off(mut trial: Trial) -> String {
     fate(&mut trial, Request::Modify(modify(9)), 9)
 }
 
-/// F2: an insert that was not answered is flown. Its line runs along a leg, and on.
+/// An insert that was not answered is flown. Its line runs along a leg, and on.
 #[test]
-fn f2_who_may_fly_an_unanswered_insert_is_not_seen_on_the_plan() {
+fn sr_002_a_vehicle_that_may_fly_an_unanswered_insert_is_not_seen_on_the_plan() {
     let asked = || Request::Trackline(line(1, (-1000.0, 0.0), (900.0, 0.0)));
     let mut trial = on_the_west_leg();
     accepted(&mut trial, asked(), 1);
@@ -181,9 +179,9 @@ fn f2_who_may_fly_an_unanswered_insert_is_not_seen_on_the_plan() {
     refused("seen", &along_the_leg_then_led_off(trial));
 }
 
-/// F2b: a waiting insert begins unheard, and the way to it runs along a leg, and on.
+/// A waiting insert begins unheard, and the way to it runs along a leg, and on.
 #[test]
-fn f2b_who_may_be_on_the_way_to_an_insert_is_not_seen_on_the_plan() {
+fn sr_002_a_vehicle_that_may_be_on_the_way_to_an_insert_is_not_seen_on_the_plan() {
     let flown = |heard: bool| {
         let mut trial = on_the_west_leg();
         accepted(&mut trial, Request::Trackline(line(1, (900.0, 0.0), (1200.0, 0.0))), 1);
@@ -200,9 +198,9 @@ fn f2b_who_may_be_on_the_way_to_an_insert_is_not_seen_on_the_plan() {
     refused("seen", &flown(false));
 }
 
-/// F2c: a waiting circle that touches a leg begins unheard: a circle counts as no line that may be flown.
+/// A waiting circle that touches a leg begins unheard: a circle counts as no line that may be flown.
 #[test]
-fn f2c_who_may_fly_a_circle_that_touches_a_leg_is_not_seen_on_the_plan() {
+fn sr_002_a_vehicle_that_may_fly_a_circle_is_not_seen_on_the_plan() {
     use crate::course::circle;
     let flown = |heard: bool| {
         let mut trial = on_the_west_leg();
@@ -224,13 +222,17 @@ fn f2c_who_may_fly_a_circle_that_touches_a_leg_is_not_seen_on_the_plan() {
     refused("seen", &flown(false));
 }
 
-/// F3: another payload's insert has interrupted ours, and a new one comes after it.
+/// Another payload's insert has interrupted ours, and a new one comes after it.
 #[test]
-fn f3_the_way_from_another_payloads_insert_that_interrupts_ours_is_checked() {
+fn sr_002_the_way_from_another_payloads_insert_that_interrupts_ours_is_checked() {
     let flown = |ours: bool| {
         let mut trial = Trial::under_way();
         if ours {
-            accepted(&mut trial, Request::Trackline(line(1, (300.0, 500.0), (600.0, 500.0))), 1);
+            accepted(
+                &mut trial,
+                Request::Trackline(line(1, (300.0, 500.0), (600.0, 500.0))),
+                1,
+            );
             ends(&mut trial, Some(1), None);
             begins(&mut trial, None, Some(1));
         }
@@ -241,32 +243,35 @@ fn f3_the_way_from_another_payloads_insert_that_interrupts_ours_is_checked() {
         fate(&mut trial, Request::Trackline(after), 2)
     };
     wreck("without ours", &flown(false));
-    refused("with ours", &flown(true));
+    wreck("with ours", &flown(true));
 }
 
-/// F3b: another payload's insert comes after ours that waits, and a new one comes after both.
+/// Another payload's insert comes after ours that waits, and a new one comes after both.
 #[test]
-fn f3b_the_way_from_another_payloads_insert_behind_ours_is_checked() {
+fn sr_002_the_way_from_another_payloads_insert_beside_ours_is_checked() {
     let flown = |ours: bool| {
         let mut trial = Trial::under_way();
         if ours {
-            accepted(&mut trial, Request::Trackline(line(1, (900.0, -600.0), (900.0, -300.0))), 1);
+            accepted(
+                &mut trial,
+                Request::Trackline(line(1, (900.0, -600.0), (900.0, -300.0))),
+                1,
+            );
         }
         trial.vehicle.others = vec![(40, (0.0, -1500.0))];
         outage(&mut trial);
         begins(&mut trial, Some(1), None);
         trial.run_for(3.0);
-        println!("called back: {:?}", trial.sent("RCN"));
         let after = line(2, (0.0, -500.0), (300.0, -500.0));
         fate(&mut trial, Request::Trackline(after), 2)
     };
     wreck("without ours", &flown(false));
-    refused("with ours", &flown(true));
+    wreck("with ours", &flown(true));
 }
 
-/// F4: another payload's insert that the plan does not name ends anywhere.
+/// Another payload's insert that the plan does not name ends anywhere.
 #[test]
-fn f4_an_insert_after_another_payloads_that_the_plan_does_not_name() {
+fn sr_002_no_insert_follows_another_payloads_that_the_plan_does_not_name() {
     let flown = |named: bool| {
         let mut trial = Trial::under_way();
         if named {
@@ -281,29 +286,32 @@ fn f4_an_insert_after_another_payloads_that_the_plan_does_not_name() {
     refused("unnamed", &flown(false));
 }
 
-/// F5: a refused insert is flown after all. A new one comes after it.
+/// A refused insert is flown after all. A new one comes after it.
 #[test]
-fn f5_an_insert_after_a_refused_one_that_is_flown() {
+fn sr_002_no_insert_follows_a_refused_one_that_is_flown() {
     let flown = |reply| {
         let mut trial = Trial::under_way();
         trial.vehicle.replies.insert("RTK", reply);
         trial.ask(0, [Request::Trackline(line(1, (900.0, -1500.0), (600.0, -1500.0)))]);
         trial.run_for(0.5);
-        println!("{:?}", trial.states(1));
         trial.vehicle.replies.remove("RTK");
         trial.vehicle.inserted.insert(1);
         ends(&mut trial, Some(1), None);
         begins(&mut trial, None, Some(1));
         trial.run_for(3.0);
-        fate(&mut trial, Request::Trackline(line(2, (-600.0, -600.0), (-700.0, -600.0))), 2)
+        fate(
+            &mut trial,
+            Request::Trackline(line(2, (-600.0, -600.0), (-700.0, -600.0))),
+            2,
+        )
     };
     wreck("accepted", &flown(Reply::Ok));
     refused("refused", &flown(Reply::Refuse));
 }
 
-/// F6: as `sr_002_the_transit_to_the_first_leg_counts_even_if_it_runs_along_another_leg`, but one sentence is damaged.
+/// As `sr_002_the_transit_to_the_first_leg_counts_even_if_it_runs_along_another_leg`, but one sentence is damaged.
 #[test]
-fn f6_the_transit_counts_if_core_only_sees_a_later_leg_that_it_runs_along() {
+fn sr_002_the_transit_counts_even_if_core_only_sees_a_later_leg_that_it_runs_along() {
     let led_off = |lose: bool| {
         const WAY_DEG: f64 = 36.5;
         let mut trial = Trial::new();
@@ -340,27 +348,37 @@ fn f6_the_transit_counts_if_core_only_sees_a_later_leg_that_it_runs_along() {
     refused("lost", &led_off(true));
 }
 
-/// F7: BFMBE of our insert, and then another payload's insert begins: ours may be interrupted.
+/// BFMBE of our insert, and then another payload's insert begins: ours may be interrupted.
 #[test]
-fn f7_an_insert_that_ends_before_another_payloads_begins_may_be_taken_up_again() {
+fn sr_002_an_insert_that_ends_before_another_payloads_begins_may_be_taken_up_again() {
     let flown = |said: bool| {
         let mut trial = Trial::under_way();
-        accepted(&mut trial, Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))), 1);
+        accepted(
+            &mut trial,
+            Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))),
+            1,
+        );
         ends(&mut trial, Some(1), None);
         begins(&mut trial, None, Some(1));
         if said {
             ends(&mut trial, None, Some(1));
         }
+        trial.vehicle.others = vec![(40, (-600.0, -300.0))];
         begins(&mut trial, None, Some(40));
-        fate(&mut trial, Request::Trackline(line(4, (-600.0, -600.0), (-700.0, -1000.0))), 4)
+        trial.run_for(5.0);
+        fate(
+            &mut trial,
+            Request::Trackline(line(4, (-600.0, -600.0), (-700.0, -1000.0))),
+            4,
+        )
     };
     wreck("no BFMBE", &flown(false));
-    refused("BFMBE", &flown(true));
+    wreck("BFMBE", &flown(true));
 }
 
-/// F8: an insert that interrupts; another payload's waiting one is flown after it, and then the leg is taken up again.
+/// An insert that interrupts; another payload's waiting one is flown after it, and then the leg is taken up again.
 #[test]
-fn f8_the_way_back_from_another_payloads_waiting_insert_to_the_interrupted_leg_is_checked() {
+fn sr_002_the_way_back_from_another_payloads_waiting_insert_to_the_interrupted_leg_is_checked() {
     let flown = |ours: bool| {
         let mut trial = Trial::new();
         if !ours {
@@ -369,17 +387,21 @@ fn f8_the_way_back_from_another_payloads_waiting_insert_to_the_interrupted_leg_i
         trial.vehicle.start = EastNorth::new(500.0, 0.0);
         trial.run_for(2.0);
         if ours {
-            accepted(&mut trial, Request::Trackline(line(3, (1000.0, -1500.0), (300.0, -1500.0))), 3);
+            accepted(
+                &mut trial,
+                Request::Trackline(line(3, (1000.0, -1500.0), (300.0, -1500.0))),
+                3,
+            );
         }
         fate(&mut trial, at_once(line(1, (900.0, -900.0), (900.0, -1500.0))), 1)
     };
     wreck("ours", &flown(true));
-    refused("another payload's", &flown(false));
+    wreck("another payload's", &flown(false));
 }
 
-/// F17: after a restart a leg is taken up again; the link is lost, and the vehicle repeats the BFMBS.
+/// After a restart a leg is taken up again; the link is lost, and the vehicle repeats the BFMBS.
 #[test]
-fn f17_a_loss_does_not_make_a_leg_that_is_taken_up_again_one_that_begins_here() {
+fn sr_002_a_link_loss_does_not_make_a_leg_that_is_taken_up_again_begin_here() {
     let taken_up = |lose: &dyn Fn(&mut Trial)| {
         let mut trial = Trial::with(Setup::default().after(3, 0));
         trial.vehicle.replays = false;
@@ -401,7 +423,7 @@ fn f17_a_loss_does_not_make_a_leg_that_is_taken_up_again_one_that_begins_here() 
 }
 
 #[test]
-fn f17b_a_damaged_sentence_does_not_make_a_leg_that_is_taken_up_again_one_that_begins_here() {
+fn sr_002_a_damaged_sentence_does_not_make_a_leg_that_is_taken_up_again_begin_here() {
     let mut trial = Trial::with(Setup::default().after(3, 0));
     trial.vehicle.replays = false;
     trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
@@ -418,12 +440,16 @@ fn f17b_a_damaged_sentence_does_not_make_a_leg_that_is_taken_up_again_one_that_b
     refused("damaged", &fate(&mut trial, Request::Modify(modify(9)), 9));
 }
 
-/// F26: our insert that interrupts has begun unheard while another of ours was flown.
+/// Our insert that interrupts has begun unheard while another of ours was flown.
 #[test]
-fn f26_an_insert_that_was_interrupted_unheard_may_be_taken_up_again() {
+fn sr_002_our_insert_that_another_of_ours_interrupted_unheard_may_be_taken_up_again() {
     let flown = |heard: bool| {
         let mut trial = Trial::under_way();
-        accepted(&mut trial, Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))), 1);
+        accepted(
+            &mut trial,
+            Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))),
+            1,
+        );
         ends(&mut trial, Some(1), None);
         begins(&mut trial, None, Some(1));
         led_to(&mut trial, 900.0, -350.0);
@@ -444,9 +470,9 @@ fn f26_an_insert_that_was_interrupted_unheard_may_be_taken_up_again() {
     refused("unheard", &flown(false));
 }
 
-/// F31: a BFMBS with a right checksum that cannot be read.
+/// A BFMBS with a right checksum that cannot be read.
 #[test]
-fn f31_a_begin_that_cannot_be_read_is_a_begin_that_was_not_heard() {
+fn sr_002_a_begin_that_cannot_be_read_is_a_begin_that_was_not_heard() {
     let mut heard = Trial::new();
     heard.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
     heard.run_for(2.0);
@@ -463,9 +489,9 @@ fn f31_a_begin_that_cannot_be_read_is_a_begin_that_was_not_heard() {
     refused("unreadable", &fate(&mut trial, Request::Modify(modify(9)), 9));
 }
 
-/// F6b: the leg ended unheard (time limit), and the way to the next behavior runs along the rest of it.
+/// The leg ended unheard (time limit), and the way to the next behavior runs along the rest of it.
 #[test]
-fn f6b_the_next_behavior_may_be_flown_by_who_is_seen_on_a_leg() {
+fn sr_002_a_vehicle_that_is_seen_on_a_leg_may_be_on_the_way_to_the_next_behavior() {
     const PLAN: &[(u32, &[(f64, f64)])] = &[
         (1, &[(-600.0, 0.0), (600.0, 0.0)]),
         (2, &[(1200.0, 0.0)]),
@@ -492,12 +518,16 @@ fn f6b_the_next_behavior_may_be_flown_by_who_is_seen_on_a_leg() {
     refused("seen", &flown(false));
 }
 
-/// F21: our insert begins unheard, ours that interrupts ends it, and that end is heard.
+/// Our insert begins unheard, ours that interrupts ends it, and that end is heard.
 #[test]
-fn f21_an_insert_that_began_unheard_and_was_interrupted_may_be_taken_up_again() {
+fn sr_002_our_insert_that_began_unheard_and_was_interrupted_may_be_taken_up_again() {
     let flown = |lose: bool, said: bool| {
         let mut trial = Trial::under_way();
-        accepted(&mut trial, Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))), 1);
+        accepted(
+            &mut trial,
+            Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))),
+            1,
+        );
         led_to(&mut trial, 600.0, 0.0);
         accepted(&mut trial, at_once(line(2, (-700.0, -500.0), (700.0, -500.0))), 2);
         ends(&mut trial, Some(1), None);
@@ -517,10 +547,8 @@ fn f21_an_insert_that_began_unheard_and_was_interrupted_may_be_taken_up_again() 
     };
     wreck("heard, BFMBE", &flown(false, true));
     wreck("heard, no BFMBE", &flown(false, false));
-    let (with, without) = (flown(true, true), flown(true, false));
-    println!("lost, BFMBE: {with}; lost, no BFMBE: {without}");
-    refused("lost, BFMBE", &with);
-    refused("lost, no BFMBE", &without);
+    refused("lost, BFMBE", &flown(true, true));
+    refused("lost, no BFMBE", &flown(true, false));
 }
 
 /// A vehicle in control whose first leg leads from (700, 0) to the east. Nothing was heard to begin.
@@ -555,9 +583,9 @@ fn heard_from_q() -> String {
     led_to_the_south_of_the_wreck(trial)
 }
 
-/// F17c: as F17, with a way that leads over the wreck: the killed process had heard the leg begin at (-700, -1300).
+/// As above, with a way that leads over the wreck: the killed process had heard the leg begin at (-700, -1300).
 #[test]
-fn f17c_the_way_from_a_begin_that_a_killed_process_heard_is_forgotten_over_a_loss() {
+fn sr_002_the_way_from_a_begin_that_a_killed_process_heard_is_still_unknown_after_a_loss() {
     wreck("heard", &heard_from_q());
     let taken_up = |loses: bool| {
         let mut trial = before_the_east_leg(Setup::default().after(3, 0), &[]);
@@ -573,9 +601,9 @@ fn f17c_the_way_from_a_begin_that_a_killed_process_heard_is_forgotten_over_a_los
     refused("repeated after a loss", &taken_up(true));
 }
 
-/// FB: the plan named another payload's insert before the link was lost, and no longer afterwards.
+/// The plan named another payload's insert before the link was lost, and no longer afterwards.
 #[test]
-fn fb_another_payloads_insert_of_the_plan_may_have_interrupted_during_an_outage() {
+fn sr_002_another_payloads_insert_of_the_plan_may_have_interrupted_during_an_outage() {
     wreck("heard", &heard_from_q());
     let mut trial = before_the_east_leg(Setup::default(), &[(40, (600.0, 200.0))]);
     begins(&mut trial, Some(3), None);
@@ -588,9 +616,9 @@ fn fb_another_payloads_insert_of_the_plan_may_have_interrupted_during_an_outage(
     refused("taken up", &led_to_the_south_of_the_wreck(trial));
 }
 
-/// F35: an insert that timed out is flown, and another payload's interrupts it.
+/// An insert that timed out is flown, and another payload's interrupts it.
 #[test]
-fn f35_an_unanswered_insert_that_is_interrupted_may_be_taken_up_again() {
+fn sr_002_an_unanswered_insert_that_is_interrupted_may_be_taken_up_again() {
     let flown = |answered: bool| {
         let mut trial = Trial::under_way();
         if !answered {
@@ -602,16 +630,22 @@ fn f35_an_unanswered_insert_that_is_interrupted_may_be_taken_up_again() {
         trial.vehicle.replies.remove("RTK");
         ends(&mut trial, Some(1), None);
         begins(&mut trial, None, Some(1));
+        trial.vehicle.others = vec![(40, (-600.0, -300.0))];
         begins(&mut trial, None, Some(40));
-        fate(&mut trial, Request::Trackline(line(4, (-600.0, -600.0), (-700.0, -1000.0))), 4)
+        trial.run_for(5.0);
+        fate(
+            &mut trial,
+            Request::Trackline(line(4, (-600.0, -600.0), (-700.0, -1000.0))),
+            4,
+        )
     };
     wreck("answered", &flown(true));
-    refused("unanswered", &flown(false));
+    wreck("unanswered", &flown(false));
 }
 
-/// F35b: an insert in doubt that the plan does not name has begun during an outage, and another payload's interrupts it.
+/// An insert in doubt that the plan does not name has begun during an outage, and another payload's interrupts it.
 #[test]
-fn f35b_an_insert_in_doubt_that_is_interrupted_may_be_taken_up_again() {
+fn sr_002_an_insert_in_doubt_that_is_interrupted_may_be_taken_up_again() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.ask(0, [Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0)))]);
@@ -625,22 +659,33 @@ fn f35b_an_insert_in_doubt_that_is_interrupted_may_be_taken_up_again() {
     trial.vehicle.set_control(now, true);
     begins(&mut trial, None, Some(40));
     trial.run_for(8.0);
-    println!("{:?}", trial.states(1));
     refused(
         "in doubt",
-        &fate(&mut trial, Request::Trackline(line(4, (-600.0, -600.0), (-700.0, -1000.0))), 4),
+        &fate(
+            &mut trial,
+            Request::Trackline(line(4, (-600.0, -600.0), (-700.0, -1000.0))),
+            4,
+        ),
     );
 }
 
-/// F39: as F7, but a modify while our next insert is flown.
+/// As above, but a modify while our next insert is flown.
 #[test]
-fn f39_a_modify_after_an_insert_that_another_payloads_may_have_interrupted() {
+fn sr_002_a_modify_after_an_insert_that_another_payloads_may_have_interrupted() {
     let flown = |said: bool| {
         let mut trial = Trial::under_way();
-        accepted(&mut trial, Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))), 1);
+        accepted(
+            &mut trial,
+            Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))),
+            1,
+        );
         ends(&mut trial, Some(1), None);
         begins(&mut trial, None, Some(1));
-        accepted(&mut trial, Request::Trackline(line(2, (700.0, -500.0), (-700.0, -500.0))), 2);
+        accepted(
+            &mut trial,
+            Request::Trackline(line(2, (700.0, -500.0), (-700.0, -500.0))),
+            2,
+        );
         if said {
             ends(&mut trial, None, Some(1));
         }
@@ -655,14 +700,13 @@ fn f39_a_modify_after_an_insert_that_another_payloads_may_have_interrupted() {
     refused("BFMBE", &flown(true));
 }
 
-/// F33: the modify of before the link loss still steers along a leg while core looks on which line the vehicle is.
+/// The modify of before the link loss still steers along a leg while core looks on which line the vehicle is.
 #[test]
-fn f33_time_on_a_line_counts_only_when_the_modify_before_the_loss_is_over() {
+fn sr_002_time_on_a_line_counts_only_when_the_modify_from_before_the_loss_is_over() {
     let mut trial = Trial::under_way();
     begins(&mut trial, Some(3), None);
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(3.0);
-    println!("{:?}", trial.states(1));
     assert!(trial.core.is_steering());
     let lost = trial.now;
     trial.vehicle.replays = false;
@@ -675,16 +719,18 @@ fn f33_time_on_a_line_counts_only_when_the_modify_before_the_loss_is_over() {
         trial.ask(0, [Request::Modify(modify(tag))]);
         trial.run_for(0.1);
         if trial.core.is_steering() {
-            println!("steers again {:.1} s after the loss", trial.now.since(lost).as_secs_f64());
+            // The vehicle forgets a modify after 5 s (SPI 7.12), the link may be late by 1 s, and then come 10 s on the line.
+            let after_s = trial.now.since(lost).as_secs_f64();
+            assert!((16.0..18.0).contains(&after_s), "after {after_s} s");
             return;
         }
     }
-    println!("steers no more: {}", trial.rejection(199));
+    panic!("steers no more: {}", trial.rejection(199));
 }
 
-/// F40: a sentence is lost during a lease. The lease goes on, and the way from where the leg began no longer counts.
+/// A sentence is lost during a lease. The lease goes on, and the way from where the leg began no longer counts.
 #[test]
-fn f40_a_lease_over_a_lost_sentence_is_judged_by_what_core_knows() {
+fn sr_002_sr_004_a_lease_ends_when_a_lost_sentence_may_have_been_a_begin() {
     let lasts_s = |lose: bool| {
         let mut trial = before_the_east_leg(Setup::default(), &[]);
         put(&mut trial, 90.0, -700.0, -1300.0);
@@ -704,11 +750,9 @@ fn f40_a_lease_over_a_lost_sentence_is_judged_by_what_core_knows() {
         while trial.core.is_steering() {
             trial.run_for(0.1);
         }
-        let lasted_s = trial.now.since(began).as_secs_f64();
-        println!("lose={lose}: steers for {lasted_s:.1} s, {:?}", trial.states(9).last());
-        lasted_s
+        trial.now.since(began).as_secs_f64()
     };
     // The way back to the way from (-700, -1300) comes too near to the wreck.
     assert!(lasts_s(false) < 25.0);
-    assert!(lasts_s(true) < 25.0);
+    assert!(lasts_s(true) < 0.5);
 }

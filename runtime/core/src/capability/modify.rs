@@ -81,13 +81,14 @@ struct Lease {
     plugin: PluginId,
     request: u64,
     tag: u64,
+    /// What the newest request asks for. The next BPRMB sends it.
     setpoint: Setpoint,
+    /// What the last BPRMB has sent, for this lease or for the one that it replaced: the vehicle flies it.
+    flown: Option<Setpoint>,
     /// When the last BPRMB was sent, for this lease or for the one that it replaced.
     sent: Option<Timestamp>,
     /// The times in the first and the last of these BPRMB.
     stamps: Option<(TimeOfDay, TimeOfDay)>,
-    /// When the setpoint was last judged.
-    judged: Timestamp,
 }
 
 /// The current modify, and when the next one may begin.
@@ -120,7 +121,8 @@ impl Modify {
         Ok(setpoint)
     }
 
-    /// A request replaces the current lease, if there is one. Returns whether it asks for another setpoint.
+    /// A request replaces the current lease, if there is one. Returns whether it asks for another setpoint than the
+    /// vehicle flies.
     pub(crate) fn adopt(
         &mut self,
         cx: &mut Context,
@@ -129,11 +131,10 @@ impl Modify {
         asked: &ModifyRequest,
         setpoint: Setpoint,
     ) -> bool {
-        let (mut sent, mut stamps, mut changed) = (None, None, true);
+        let (mut sent, mut stamps, mut flown) = (None, None, None);
         cx.arbiter.take(cx.now, plugin, LeaseKind::Modify);
         if let Some(lease) = self.lease.take() {
-            (sent, stamps) = (lease.sent, lease.stamps);
-            changed = lease.setpoint != setpoint;
+            (sent, stamps, flown) = (lease.sent, lease.stamps, lease.flown);
             if lease.plugin == plugin && lease.tag == asked.tag {
                 cx.transition_quietly(lease.request, RequestState::Ended(EndCause::Replaced.into()));
             } else {
@@ -145,12 +146,12 @@ impl Modify {
             request,
             tag: asked.tag,
             setpoint,
+            flown,
             sent,
             stamps,
-            judged: cx.now,
         });
         cx.timers.set(Timer::Term, cx.now + asked.duration);
-        changed
+        flown != Some(setpoint)
     }
 
     /// Sends the first BPRMB of an adopted modify, or the next one, no sooner than the rate allows.
@@ -197,23 +198,24 @@ impl Modify {
     }
 
     /// A sample of navigation is new. If what the lease can reach from here would touch the fence's margin, the lease
-    /// ends now, and not only at its next refresh.
+    /// ends now, and not only at its next refresh. A changed setpoint may wait for its turn. Until it is sent, the
+    /// vehicle flies the one before, so both are judged.
     pub(crate) fn prevent(&mut self, cx: &mut Context) {
         let Some(lease) = self.lease else { return };
         if !is_on(Check::RefreshJudged) {
             return;
         }
-        match self.judge(cx, &lease.setpoint) {
-            Ok(()) => {
-                if let Some(lease) = &mut self.lease {
-                    lease.judged = cx.now;
-                }
-            }
-            Err(refusal) => self.end(cx, refusal),
+        let flown = lease.flown.filter(|flown| *flown != lease.setpoint);
+        let judged = self
+            .judge(cx, &lease.setpoint)
+            .and_then(|()| flown.map_or(Ok(()), |flown| self.judge(cx, &flown)));
+        if let Err(refusal) = judged {
+            self.end(cx, refusal);
         }
     }
 
-    /// Checks the lease again, and sends its BPRMB.
+    /// Judges the lease again, and sends its BPRMB. It is judged even if it was judged at this moment: a message of the
+    /// same read may have changed since what core knows of the vehicle.
     pub(crate) fn refresh(&mut self, cx: &mut Context) {
         let Some(lease) = self.lease else { return };
         if let Some(sent) = lease.sent
@@ -223,15 +225,10 @@ impl Modify {
         {
             return self.end(cx, EndCause::NotRefreshed);
         }
-        if lease.judged < cx.now && is_on(Check::RefreshJudged) {
-            match self.judge(cx, &lease.setpoint) {
-                Ok(()) => {
-                    if let Some(lease) = &mut self.lease {
-                        lease.judged = cx.now;
-                    }
-                }
-                Err(refusal) => return self.end(cx, refusal),
-            }
+        if is_on(Check::RefreshJudged)
+            && let Err(refusal) = self.judge(cx, &lease.setpoint)
+        {
+            return self.end(cx, refusal);
         }
         let Some(navigation) = cx.vehicle.navigation.fresh(cx.now).copied() else {
             return self.end(cx, EndCause::NavigationStale);
@@ -272,6 +269,7 @@ impl Modify {
         }
         if let Some(lease) = &mut self.lease {
             lease.sent = Some(cx.now);
+            lease.flown = Some(lease.setpoint);
             let first = lease.stamps.map_or(created, |(first, _)| first);
             lease.stamps = Some((first, created));
         }

@@ -6,6 +6,7 @@ use backseat_spi::{AckStatus, HorizontalMode, ModifySpeedMode, ModifyVerticalMod
 use backseat_units::{EastNorth, TimeOfDay, Timestamp};
 
 use crate::course::{LIFTED, limits, line, modify, modify_for, turn};
+use crate::scene::{begins, led_to};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -90,6 +91,42 @@ fn a_changed_modify_is_sent_at_once_and_at_most_five_times_a_second() {
         sent.windows(2)
             .all(|pair| pair[1].since(pair[0]) <= Duration::from_millis(310))
     );
+}
+
+#[test]
+fn sr_004_a_changed_modify_that_is_requested_again_is_sent_no_later() {
+    let mut trial = Trial::under_way();
+    let mut step = 0;
+    trial.script(0, move |_| {
+        step += 1;
+        let heading = if step == 1 { 90.0 } else { 270.0 };
+        (Duration::from_millis(1), Ok(vec![turn(1, heading)]))
+    });
+    trial.run_for(3.0);
+    let sent = trial.sent("RMB");
+    let after = sent[1].since(sent[0]);
+    assert!(after <= Duration::from_millis(310), "{after:?}");
+    assert_ne!(modified(&trial, 0).horizontal, modified(&trial, 1).horizontal);
+    assert!(
+        sent[2].since(sent[1]) >= Duration::from_millis(990),
+        "it does not change again"
+    );
+}
+
+/// The plugin changes its mind, and back again before the change is sent.
+#[test]
+fn a_change_that_is_taken_back_before_it_is_sent_causes_no_bprmb() {
+    let mut trial = Trial::under_way();
+    let mut step = 0;
+    trial.script(0, move |_| {
+        step += 1;
+        let heading = if step == 2 { 270.0 } else { 90.0 };
+        (Duration::from_millis(1), Ok(vec![turn(1, heading)]))
+    });
+    trial.run_for(1.5);
+    let sent = trial.sent("RMB");
+    assert_eq!(sent.len(), 2, "{sent:?}");
+    assert_eq!(modified(&trial, 0).horizontal, modified(&trial, 1).horizontal);
 }
 
 #[test]
@@ -327,6 +364,50 @@ fn sr_004_a_lease_that_comes_to_reach_the_margin_ends_at_that_sample_and_not_at_
         "{reason}"
     );
     assert_eq!(trial.sent_since("EMB", risen), [ended]);
+}
+
+/// A modify towards the eastern edge at 2 m/s, from this far east. If it `slows`, the plugin asks for 1 m/s in its
+/// second step and later, and the first change waits for its turn. Returns how long after the first BPRMB the lease
+/// ends, and when the second BPRMB is sent.
+fn eastward(east_m: f64, slows: bool) -> [Option<Duration>; 2] {
+    let mut trial = Trial::under_way();
+    led_to(&mut trial, east_m, 0.0);
+    begins(&mut trial, Some(1), None);
+    let mut step = 0;
+    trial.script(0, move |_| {
+        step += 1;
+        let speed_mps = if slows && step > 1 { 1.0 } else { 2.0 };
+        let asked = ModifyRequest { speed_mps, ..modify(1) };
+        (Duration::from_millis(1), Ok(vec![Request::Modify(asked)]))
+    });
+    let start = trial.now;
+    trial.run_for(1.2);
+    let sent = trial.sent_since("RMB", start);
+    let Some(first) = sent.first() else { return [None; 2] };
+    let ended = trial.sent_since("EMB", *first).first().map(|at| at.since(*first));
+    [ended, sent.get(1).map(|at| at.since(*first))]
+}
+
+#[test]
+fn sr_004_until_a_changed_setpoint_is_sent_the_one_that_the_vehicle_flies_is_judged_too() {
+    let mut found = 0;
+    for tenths in 19_180..19_210 {
+        let east_m = f64::from(tenths) / 10.0;
+        let [Some(ended), _] = eastward(east_m, false) else {
+            continue;
+        };
+        if ended > Duration::from_millis(10) && ended < Duration::from_millis(900) {
+            found += 1;
+            let [slower_ended, slower_sent] = eastward(east_m, true);
+            let flown = slower_ended.into_iter().chain(slower_sent).min();
+            // The vehicle flies the first setpoint no longer than a lease of that alone allows.
+            assert!(
+                flown.is_some_and(|flown| flown <= ended),
+                "{east_m}: {ended:?} {slower_ended:?} {slower_sent:?}"
+            );
+        }
+    }
+    assert!(found >= 2, "{found}");
 }
 
 #[test]

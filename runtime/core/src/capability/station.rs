@@ -67,8 +67,6 @@ pub(crate) struct Keeping {
     sent_aim: Option<Aim>,
     /// When the last BPSUS, BPCON, BPGHP or BPGBP was sent.
     sent: Option<Timestamp>,
-    /// When station keeping was last judged.
-    judged: Timestamp,
 }
 
 /// How far the newest request of station keeping has come.
@@ -137,7 +135,6 @@ impl Station {
             suspended: None,
             sent_aim: None,
             sent: None,
-            judged: cx.now,
         };
         if let Some(before) = before {
             let changed = before.target != asked.target || before.speed_mps != asked.speed_mps;
@@ -237,7 +234,7 @@ impl Station {
         {
             return self.end(cx, EndCause::NotRefreshed);
         }
-        if !self.is_sound(cx) {
+        if !self.prevent(cx) {
             return;
         }
         if keeping.stage == Stage::Due && cx.now >= self.free_at() {
@@ -256,14 +253,9 @@ impl Station {
         cx.timers.set_or_stop(Timer::Station, next);
     }
 
-    /// Judges station keeping again, unless that was done at this moment, and ends it if it fails.
-    fn is_sound(&mut self, cx: &mut Context) -> bool {
-        let Some(keeping) = self.keeping else { return false };
-        keeping.judged == cx.now || self.prevent(cx)
-    }
-
-    /// A sample is new, or time has passed: judges station keeping in full, and ends it if it fails. The judgement is a
-    /// few comparisons, so each sample is worth one. False if no station keeping is left.
+    /// A sample is new, time has passed, or something is about to be sent: judges station keeping in full, and ends it
+    /// if it fails. It does so even if it has done so at this moment: a message of the same read may have changed since
+    /// what core knows. The judgement is a few comparisons. False if no station keeping is left.
     pub(crate) fn prevent(&mut self, cx: &mut Context) -> bool {
         let Some(keeping) = self.keeping else { return false };
         if is_on(Check::StationJudged)
@@ -271,9 +263,6 @@ impl Station {
         {
             self.end(cx, refusal);
             return false;
-        }
-        if let Some(keeping) = &mut self.keeping {
-            keeping.judged = cx.now;
         }
         true
     }
@@ -517,7 +506,7 @@ impl Station {
 
     /// The next message may leave. Station keeping is judged again first, because the vehicle has moved meanwhile.
     fn goes_on(&mut self, cx: &mut Context) {
-        if self.is_sound(cx) {
+        if self.prevent(cx) {
             self.advance(cx);
             self.drive(cx);
         }

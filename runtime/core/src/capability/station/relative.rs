@@ -74,7 +74,7 @@ impl Station {
 
     /// Relative navigation has become stale. Station keeping goes on if it does not need it.
     pub(crate) fn timed_out(&mut self, cx: &mut Context) {
-        if self.is_sound(cx) {
+        if self.prevent(cx) {
             self.watch_relative(cx);
         }
     }

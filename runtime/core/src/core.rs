@@ -88,6 +88,7 @@ impl Core {
             });
             self.capabilities.end_leases(&mut self.cx, EndCause::WokeLate);
         }
+        self.lose_what_has_lapsed();
         match input {
             Input::LinkUp => self.link_up(),
             Input::LinkDown => self.link_down(),
@@ -224,12 +225,26 @@ impl Core {
         self.cx.timers.set_or_stop(Timer::Plugins, plugins);
     }
 
-    /// Gains or loses control by what core knows now. Reports the change, and ends what needs control if control is
-    /// lost.
-    pub(crate) fn settle_control(&mut self) {
+    /// Core may be called somewhat late, and with an input that brings new navigation. What has lapsed by now is lost
+    /// before that input is handled, as if core had been called in time (safety requirement 008). Nothing is gained
+    /// here: the input may be what takes control away.
+    fn lose_what_has_lapsed(&mut self) {
+        self.unsettle_stale_navigation();
+        if self.cx.control.granted {
+            self.settle_control();
+        }
+    }
+
+    fn unsettle_stale_navigation(&mut self) {
         if self.cx.vehicle.navigation.fresh(self.cx.now).is_none() {
             self.cx.vehicle.navigation.unsettle();
         }
+    }
+
+    /// Gains or loses control by what core knows now. Reports the change, and ends what needs control if control is
+    /// lost.
+    pub(crate) fn settle_control(&mut self) {
+        self.unsettle_stale_navigation();
         let lost = self.cx.lost_because();
         let granted = lost.is_none();
         if granted != self.cx.control.granted {

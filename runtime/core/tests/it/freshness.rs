@@ -26,6 +26,47 @@ fn sr_008_a_lease_ends_when_navigation_stops() {
     assert_eq!(trial.sent("EMB"), [ended]);
 }
 
+/// Core is called somewhat late, though not so late that this ends a lease, and the input brings new navigation. The
+/// navigation before it was stale for a moment.
+#[test]
+fn sr_008_a_stale_moment_ends_the_lease_although_core_is_called_after_it() {
+    let mut trial = Trial::steering();
+    trial.run_for(0.5);
+    let start = trial.now;
+    trial.vehicle.navigates = false;
+    trial.run_for(0.9);
+    trial.asleep_until = trial.now + Duration::from_millis(450);
+    trial.run_for(0.34);
+    trial.vehicle.navigates = true;
+    trial.run_for(1.0);
+    let (ended, reason) = trial.lease_ends().pop().expect("an end");
+    assert_eq!(reason, "navigation is stale");
+    assert_eq!(trial.sent_since("EMB", start), [ended]);
+    assert_eq!(trial.core.late_count(), 0);
+    assert!(trial.sent_since("RMB", ended).is_empty());
+}
+
+/// The same without a lease: what comes after a stale moment must be steady again before it gives control.
+#[test]
+fn sr_008_navigation_after_a_stale_moment_is_unsteady_although_core_is_called_after_it() {
+    let mut trial = Trial::under_way();
+    trial.run_for(0.5);
+    let now = trial.now;
+    trial.vehicle.set_control(now, false);
+    trial.vehicle.navigates = false;
+    trial.run_for(0.9);
+    trial.asleep_until = trial.now + Duration::from_millis(450);
+    trial.run_for(0.34);
+    trial.vehicle.navigates = true;
+    trial.run_for(0.2);
+    let awake = trial.now;
+    trial.vehicle.set_control(awake, true);
+    trial.run_for(0.2);
+    assert!(!trial.core.has_control());
+    trial.run_for(0.6);
+    assert!(trial.core.has_control());
+}
+
 #[test]
 fn sr_008_messages_with_a_frozen_solution_are_stale() {
     let mut trial = Trial::steering();

@@ -167,8 +167,13 @@ impl Integrity {
         flaw
     }
 
-    fn flaw(&mut self, mark: &Mark, rates: &Rates) -> Option<Flaw> {
-        let limits = self.limits;
+    /// Whether velocities are over the limits of speed.
+    pub(crate) fn too_fast(&self, message: &VelocityAndRates) -> Option<Flaw> {
+        self.over_speed(&Rates::of(message))
+    }
+
+    fn over_speed(&self, rates: &Rates) -> Option<Flaw> {
+        let limits = &self.limits;
         let speed_mps = rates.speed_mps();
         if exceeds(speed_mps, limits.speed_max_mps()) {
             let text = format!("{speed_mps:.1} m/s, over {:.1}", limits.speed_max_mps());
@@ -178,8 +183,12 @@ impl Integrity {
             let text = format!("{:.1} m/s, over {:.1}", rates.down_mps, limits.depth_rate_max_mps);
             return Some(flaw(EndCause::VerticalVelocityTooHigh, text));
         }
-        if let Some(frozen) = self.frozen(mark, speed_mps) {
-            return Some(frozen);
+        None
+    }
+
+    fn flaw(&mut self, mark: &Mark, rates: &Rates) -> Option<Flaw> {
+        if let Some(flaw) = self.over_speed(rates).or_else(|| self.frozen(mark, rates.speed_mps())) {
+            return Some(flaw);
         }
         let (last, _) = self.last.as_ref()?;
         let since = self.marks.iter().chain([last]);

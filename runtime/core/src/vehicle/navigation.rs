@@ -224,6 +224,7 @@ impl Tracker {
 
     /// Takes a BFNVR. If it was written more than half a second before or after the newest BFNVG, it says nothing about
     /// that sample. Returns true if both have the same time.
+    /// A second one for the same sample changes its velocities, so the limits of speed apply to each.
     pub(crate) fn velocity(&mut self, now: Timestamp, message: &VelocityAndRates) -> bool {
         let Some(newest) = &mut self.newest else { return false };
         let apart = message.created.nanos_since(newest.written).unsigned_abs();
@@ -234,23 +235,25 @@ impl Tracker {
         newest.sample.north_mps = message.north_mps;
         newest.sample.down_mps = message.down_mps;
         newest.sample.yaw_rate_dps = message.yaw_rate_dps;
-        if !core::mem::replace(&mut newest.complete, true) {
+        let flaw = if core::mem::replace(&mut newest.complete, true) {
+            self.integrity.too_fast(message)
+        } else {
             let (solution, sample) = (newest.solution, newest.sample);
-            self.complete(now, solution, &sample, message);
+            self.complete(solution, &sample, message)
+        };
+        if flaw.is_some() && is_on(Check::NavigationTrue) {
+            self.flaw = flaw;
+            self.jumped_at = Some(now);
         }
         apart == 0
     }
 
     /// Compares a sample that has its velocities with those before it.
-    fn complete(&mut self, now: Timestamp, solution: TimeOfDay, sample: &NavigationSample, message: &VelocityAndRates) {
+    fn complete(&mut self, solution: TimeOfDay, sample: &NavigationSample, message: &VelocityAndRates) -> Option<Flaw> {
         self.incomplete_since = None;
         let before = self.completed.replace(solution);
         let elapsed_s = before.map_or(0.0, |before| elapsed_nanos(before, solution) as f64 / 1e9);
-        let flaw = self.integrity.follow(sample, message, elapsed_s);
-        if flaw.is_some() && is_on(Check::NavigationTrue) {
-            self.flaw = flaw;
-            self.jumped_at = Some(now);
-        }
+        self.integrity.follow(sample, message, elapsed_s)
     }
 
     /// The flaw that navigation has shown since this was last called, if any (safety requirement 024).

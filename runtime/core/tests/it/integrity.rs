@@ -202,6 +202,42 @@ fn sr_024_a_true_gps_fix_is_no_flaw_but_counts_as_unsteady() {
     }
 }
 
+/// Each BFNVG is followed by its own BFNVR, and by another one half a sample later.
+#[test]
+fn sr_024_the_limits_of_speed_apply_to_each_velocity_and_not_only_to_the_first_of_a_sample() {
+    for (east_mps, down_mps, ends) in [(1.5, 0.0, false), (30.0, 0.0, true), (1.5, 30.0, true)] {
+        let mut trial = Trial::steering();
+        trial.run_for(1.0);
+        let at = trial.now;
+        for _ in 0..10 {
+            let second = VelocityAndRates {
+                created: trial.vehicle.clock(trial.now),
+                east_mps,
+                north_mps: 0.0,
+                down_mps,
+                pitch_rate_dps: 0.0,
+                roll_rate_dps: 0.0,
+                yaw_rate_dps: 0.0,
+            };
+            trial.hear_now([second.into()]);
+            if ends {
+                assert!(!trial.core.has_control(), "{east_mps} {down_mps}");
+            }
+            trial.run_for(0.1);
+        }
+        let ended = trial.sent_since("EMB", at);
+        assert_eq!(
+            !ended.is_empty(),
+            ends,
+            "{east_mps} {down_mps}: {:?}",
+            trial.lease_ends()
+        );
+        if ends {
+            assert_eq!(ended, [at]);
+        }
+    }
+}
+
 /// The BPLOG,NVR was lost on its way, and core took the answer to another BPLOG for its own.
 #[test]
 fn sr_024_missing_velocities_are_subscribed_again() {

@@ -14,12 +14,18 @@ use backseat_spi::Text;
 pub(crate) struct Dive {
     of_status: Option<Text>,
     of_behavior: Option<Text>,
+    /// One kind of message has named another file. This kind may name that file too, once, in its own way, until the
+    /// file's plan is complete.
+    may_follow: Option<NamedBy>,
+    /// A kind of message has named another file at least once.
+    has_changed: bool,
     /// The file is another one now, and its plan is not complete yet.
     plan_due: bool,
 }
 
 /// Which message has named a dive file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum NamedBy {
     /// BFMIS.
     Status,
@@ -36,6 +42,7 @@ impl Dive {
     /// The vehicle's plan has come and is complete.
     pub(crate) const fn planned(&mut self) {
         self.plan_due = false;
+        self.may_follow = None;
     }
 
     /// Why we have no control after a change of the dive file.
@@ -43,23 +50,34 @@ impl Dive {
         self.plan_due.then_some(Uncontrolled::DivePlanUnknown)
     }
 
-    /// The vehicle has named its dive file. Returns true if it differs from the last one that this kind of message
-    /// named.
+    /// The vehicle has named its dive file. Returns true if it may be another one than the one whose plan core has or has
+    /// asked for: it differs from the last one that this kind of message named, and the other kind has not named it
+    /// just before. The message that would have named that one may have been lost, so only the first new name while the
+    /// plan is due counts as the same file.
     pub(crate) fn named(&mut self, by: NamedBy, file: &Text) -> bool {
         if file.as_str().trim().is_empty() {
             return false;
         }
         let (known, other) = match by {
-            NamedBy::Status => (&mut self.of_status, &mut self.of_behavior),
-            NamedBy::Behavior => (&mut self.of_behavior, &mut self.of_status),
+            NamedBy::Status => (&mut self.of_status, NamedBy::Behavior),
+            NamedBy::Behavior => (&mut self.of_behavior, NamedBy::Status),
         };
-        let known = known.replace(file.clone());
-        let another = known.is_some_and(|known| known.as_str().trim() != file.as_str().trim());
-        if another {
-            // The other kind of message will name the new file too, in its own way.
-            *other = None;
+        let differs = match known.replace(file.clone()) {
+            Some(known) => known.as_str().trim() != file.as_str().trim(),
+            // There is nothing to compare the first name with. It belongs to the first file, unless there has been
+            // another one since.
+            None => self.has_changed,
+        };
+        if !differs {
+            return false;
         }
-        another
+        if self.may_follow == Some(by) {
+            self.may_follow = None;
+            return false;
+        }
+        self.may_follow = Some(other);
+        self.has_changed = true;
+        true
     }
 }
 
@@ -88,5 +106,40 @@ mod tests {
         assert!(named(&mut dive, Status, "dives/c.dive"));
         assert!(!named(&mut dive, Behavior, "c"));
         assert!(named(&mut dive, Behavior, "a"));
+    }
+
+    #[test]
+    fn sr_025_the_other_kind_of_message_may_follow_once_and_only_while_the_plan_is_due() {
+        use NamedBy::{Behavior, Status};
+        let changed = || {
+            let mut dive = Dive::default();
+            assert!(!named(&mut dive, Status, "dives/a.dive") && !named(&mut dive, Behavior, "a"));
+            assert!(named(&mut dive, Behavior, "b"));
+            dive.is_another();
+            dive
+        };
+        let mut dive = changed();
+        assert!(!named(&mut dive, Status, "dives/b.dive"));
+        assert!(named(&mut dive, Status, "dives/c.dive"), "it has followed already");
+        let mut dive = changed();
+        dive.planned();
+        assert!(
+            !named(&mut dive, Status, "dives/a.dive"),
+            "an old name says nothing new"
+        );
+        assert!(named(&mut dive, Status, "dives/c.dive"), "the plan of b is complete");
+        dive.is_another();
+        assert!(!named(&mut dive, Behavior, "b") && !named(&mut dive, Status, "dives/c.dive"));
+    }
+
+    #[test]
+    fn sr_025_a_first_name_after_a_change_may_be_another_dive() {
+        use NamedBy::{Behavior, Status};
+        let mut dive = Dive::default();
+        assert!(!named(&mut dive, Behavior, "a") && named(&mut dive, Behavior, "b"));
+        dive.is_another();
+        dive.planned();
+        assert!(named(&mut dive, Status, "dives/c.dive"));
+        assert!(!named(&mut dive, Behavior, "c"));
     }
 }

@@ -92,6 +92,52 @@ fn sr_025_a_behavior_belongs_to_the_dive_that_its_begin_names() {
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
 }
 
+/// The vehicle has flown the dive a, and begins the dive b. Its BFMIS for b is lost, its BFMBS comes, and so does the
+/// plan of b.
+fn in_a_second_dive() -> Trial {
+    let mut trial = Trial::under_way();
+    let first = [status_of(&trial, "dives/a.dive"), begin_of(&trial, "a", 1)];
+    trial.hear_now(first);
+    trial.run_for(3.0);
+    let second = begin_of(&trial, "b", 1);
+    trial.hear_now([second]);
+    trial.run_for(5.0);
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    assert!(trial.core.is_steering(), "{:?}", trial.states(1));
+    trial
+}
+
+#[test]
+fn sr_025_the_status_of_a_third_dive_is_not_taken_for_the_lost_one_of_the_second() {
+    let mut trial = in_a_second_dive();
+    let at = trial.now;
+    let third = status_of(&trial, "dives/c.dive");
+    trial.hear_now([third]);
+    assert!(!trial.core.is_steering() && !trial.core.has_control());
+    assert_eq!((trial.sent_since("EMB", at).len(), plans(&trial, at)), (1, 1));
+    // The behavior of the third dive follows while its plan is due, and is no fourth dive.
+    let begun = begin_of(&trial, "c", 1);
+    trial.hear_now([begun]);
+    trial.run_for(10.0);
+    assert!(trial.core.has_control());
+    assert_eq!(plans(&trial, at), 1);
+}
+
+/// Core cannot know that a status which comes so late names the same dive. It asks for the plan once.
+#[test]
+fn sr_025_a_late_status_of_the_same_dive_costs_one_request_for_the_plan() {
+    let mut trial = in_a_second_dive();
+    let at = trial.now;
+    for _ in 0..5 {
+        let late = [status_of(&trial, "dives/b.dive"), begin_of(&trial, "b", 1)];
+        trial.hear_now(late);
+        trial.run_for(5.0);
+    }
+    assert_eq!(plans(&trial, at), 1);
+    assert!(trial.core.has_control());
+}
+
 #[test]
 fn sr_025_an_empty_or_repeated_dive_name_changes_nothing() {
     let mut trial = Trial::steering();

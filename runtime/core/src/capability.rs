@@ -88,10 +88,14 @@ impl Capabilities {
         self.station.end(cx, end);
     }
 
-    /// Ends everything that needs control: the leases, and the triggering of the DVL.
+    /// Ends everything that needs control: the leases, the inserts that wait to be sent, and the triggering of the DVL.
     pub(crate) fn end_controlled(&mut self, cx: &mut Context, end: impl Into<Ended>) {
         let end = end.into();
         self.end_leases(cx, end.clone());
+        // Any other end is followed by a loss of control before anything that waits can leave.
+        if let Ended::Uncontrolled(reason) = end {
+            self.inserts.reject_waiting(cx, reason);
+        }
         self.dvl.end(cx, end);
     }
 

@@ -43,6 +43,10 @@ const SUBSCRIBE_AFTER: [Duration; 3] = [Duration::from_secs(3), Duration::from_s
 /// A connection that has had a good round trip is reset when there has been none for this long.
 const RESET_AFTER: Duration = Duration::from_secs(30);
 
+/// What a vehicle answers although it has not done so yet: a command that cannot be taken back waits for the answer to
+/// the first of these too.
+const INSERTS: [&str; 3] = ["RTK", "RTC", "RGP"];
+
 /// Which message is the beat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
@@ -116,7 +120,7 @@ pub(crate) struct Heartbeat {
     /// When the command of the last good round trip was sent, or when the connection began if there has been none.
     lost_at: Timestamp,
     remedies: u32,
-    /// Commands that this vehicle has ever answered.
+    /// Commands that this vehicle answers: inserts, and those that it has ever answered.
     answers: BTreeSet<CommandName>,
 }
 
@@ -137,7 +141,7 @@ impl Heartbeat {
             unanswered_beats: 0,
             lost_at: Timestamp::ZERO,
             remedies: 0,
-            answers: BTreeSet::new(),
+            answers: INSERTS.into_iter().map(name).collect(),
         }
     }
 
@@ -598,9 +602,13 @@ mod tests {
         heartbeat.left(at(2020), name("STS"), Some(stamp(2020)), false);
         assert!(!heartbeat.has_just_answered(at(2030)), "a beat is under way");
         heartbeat.acknowledged(at(2040), &ack("STS", EchoedTime::of(stamp(2020))));
-        // A kind of command that this vehicle has never answered is not waited for.
+        // A kind of command that this vehicle has never answered is not waited for, unless it is an insert.
         heartbeat.left(at(2050), name("MSG"), Some(stamp(2050)), false);
         assert!(heartbeat.has_just_answered(at(2060)));
+        heartbeat.left(at(2070), name("RGP"), Some(stamp(2070)), false);
+        assert!(!heartbeat.has_just_answered(at(2080)));
+        heartbeat.acknowledged(at(2090), &ack("RGP", EchoedTime::of(stamp(2070))));
+        assert!(heartbeat.has_just_answered(at(2090)));
     }
 
     #[test]

@@ -3,12 +3,12 @@
 
 use std::time::Duration;
 
-use backseat_core::plugin::Request;
+use backseat_core::plugin::{GpsHitRequest, Request};
 use backseat_core::{Grant, Note};
 use backseat_spi::AckStatus;
 use backseat_units::Timestamp;
 
-use crate::course::{good_line, interrupting, modify};
+use crate::course::{self, good_line, interrupting, modify};
 use crate::trial::{Setup, Trial, granted, shorts};
 use crate::vehicle::Reply;
 
@@ -316,6 +316,13 @@ fn sr_023_refusals_and_pending_answers_count_as_round_trips() {
     }
 }
 
+fn hit(tag: u64) -> Request {
+    Request::GpsHit(GpsHitRequest {
+        tag,
+        position: course::at(0.0, 500.0),
+    })
+}
+
 fn with_interrupt() -> Setup {
     granted(&[Grant::Insert, Grant::Interrupt, Grant::Surface], &[])
 }
@@ -353,6 +360,53 @@ fn sr_023_an_irrevocable_request_waits_for_an_answer_and_leaves_after_it() {
         beat[0] < sent[0] && sent[0].since(beat[0]) >= Duration::from_millis(10),
         "{beat:?} {sent:?}"
     );
+}
+
+/// A beat that is answered shows that the vehicle has read the first insert, but not whether it flies it.
+#[test]
+fn sr_023_an_irrevocable_request_waits_until_the_vehicle_has_answered_every_insert_before_it() {
+    for (first, name) in [(interrupting(1), "RTK"), (hit(1), "RGP"), (good_line(1), "RTK")] {
+        let under_way = || {
+            let mut trial = Trial::with_under_way(Setup {
+                fence: course::harbour(),
+                ..with_interrupt()
+            });
+            trial.run_for(5.0);
+            trial
+        };
+        let mut trial = under_way();
+        trial.vehicle.replies.insert(name, Reply::Silent);
+        trial.ask(0, [first.clone()]);
+        trial.ask(1, [hit(2)]);
+        let asked = trial.now;
+        trial.run_for(0.9);
+        assert_eq!(shorts(&trial.states(1)), ["sent"], "{:?}", trial.states(1));
+        assert!(trial.states(2).is_empty(), "it waits: {:?}", trial.states(2));
+        assert!(
+            !trial.sent_since("STS", asked).is_empty(),
+            "a beat was sent and answered"
+        );
+        trial.run_for(2.0);
+        assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
+        assert!(trial.rejection(2).starts_with("heard: "), "{:?}", trial.states(2));
+        // With the answer to the first, the second leaves.
+        let mut trial = under_way();
+        let late = Reply::Late(Duration::from_millis(400), AckStatus::Succeeded);
+        trial.vehicle.replies.insert(name, late);
+        trial.ask(0, [first.clone()]);
+        trial.run_for(0.15);
+        trial.vehicle.replies.remove(name);
+        trial.ask(1, [hit(2)]);
+        let second = trial.now;
+        trial.run_for(0.8);
+        let sent = trial.commands("RGP").pop().expect("the second leaves").0;
+        assert!(
+            sent.since(second) >= Duration::from_millis(200),
+            "{:?}",
+            trial.states(2)
+        );
+        assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
+    }
 }
 
 #[test]

@@ -1,9 +1,12 @@
-use backseat_core::plugin::Request;
-use backseat_core::{Note, Operator, Settings, Start};
-use backseat_spi::{MissionCommand, Text};
+use std::time::Duration;
 
-use crate::course::{good_line, modify};
-use crate::trial::{Seen, Setup, Trial, shorts};
+use backseat_core::plugin::Request;
+use backseat_core::{Grant, Note, Operator, Settings, Start};
+use backseat_spi::{AckStatus, MissionCommand, Text};
+
+use crate::course::{good_line, interrupting, modify};
+use crate::trial::{Seen, Setup, Trial, granted, shorts};
+use crate::vehicle::Reply;
 
 #[test]
 fn sr_015_a_hold_ends_the_lease_cancels_our_inserts_and_beats_every_plugin_until_it_is_released() {
@@ -26,7 +29,7 @@ fn sr_015_a_hold_ends_the_lease_cancels_our_inserts_and_beats_every_plugin_until
     );
     trial.script(1, |_| {
         (
-            std::time::Duration::from_millis(1),
+            Duration::from_millis(1),
             Ok(vec![Request::Modify(modify(5)), good_line(6)]),
         )
     });
@@ -36,6 +39,51 @@ fn sr_015_a_hold_ends_the_lease_cancels_our_inserts_and_beats_every_plugin_until
     trial.operator(Operator::Release);
     trial.run_for(1.0);
     assert!(trial.core.is_steering());
+}
+
+/// The vehicle is slow to answer, so an interrupting insert waits for an answer.
+fn waiting() -> Trial {
+    let mut trial = Trial::with_under_way(granted(&[Grant::Insert, Grant::Interrupt], &[]));
+    let late = Reply::Late(Duration::from_millis(700), AckStatus::Succeeded);
+    trial.vehicle.replies.insert("STS", late);
+    trial.run_for(3.0);
+    let beats = trial.sent("STS").len();
+    while trial.sent("STS").len() == beats {
+        trial.run_for(0.02);
+    }
+    trial.ask(0, [interrupting(1)]);
+    trial.run_for(0.2);
+    assert!(
+        trial.commands("RTK").is_empty() && trial.states(1).is_empty(),
+        "it waits"
+    );
+    trial
+}
+
+#[test]
+fn sr_015_what_waits_for_an_answer_during_a_hold_does_not_leave_after_its_release() {
+    let mut trial = waiting();
+    trial.operator(Operator::Hold);
+    assert!(trial.rejection(1).starts_with("control: "), "{:?}", trial.states(1));
+    trial.run_for(0.1);
+    trial.operator(Operator::Release);
+    trial.run_for(2.0);
+    assert!(trial.core.has_control());
+    assert!(trial.commands("RTK").is_empty(), "{:?}", trial.states(1));
+}
+
+#[test]
+fn sr_001_what_waits_for_an_answer_when_control_is_lost_does_not_leave_once_it_is_back() {
+    let mut trial = waiting();
+    let now = trial.now;
+    trial.vehicle.set_control(now, false);
+    trial.run_for(0.05);
+    assert!(trial.rejection(1).starts_with("control: "), "{:?}", trial.states(1));
+    let now = trial.now;
+    trial.vehicle.set_control(now, true);
+    trial.run_for(2.0);
+    assert!(trial.core.has_control());
+    assert!(trial.commands("RTK").is_empty(), "{:?}", trial.states(1));
 }
 
 #[test]

@@ -12,8 +12,8 @@ use crate::capability::insert::Inserts;
 use crate::context::Context;
 use crate::monitor::envelope::Insert;
 use crate::mutations::{Check, is_on};
-use crate::plugin::PluginId;
-use crate::refusal::{Figure, Reason};
+use crate::plugin::{PluginId, RequestState};
+use crate::refusal::{Figure, Reason, Uncontrolled};
 use crate::timer::Timer;
 
 /// How long a request waits for the vehicle's answer.
@@ -35,9 +35,7 @@ pub(crate) struct Waiting {
 impl Inserts {
     /// Whether an insert must wait for the vehicle to answer.
     pub(crate) fn waits_for_answer(&self, cx: &Context, insert: &Insert) -> bool {
-        (insert.interrupt || insert.surfaces())
-            && !cx.link.heartbeat.has_just_answered(cx.now)
-            && is_on(Check::IrrevocableAnswered)
+        (insert.interrupt || insert.surfaces()) && !has_answered(cx) && is_on(Check::IrrevocableAnswered)
     }
 
     /// Sends a heartbeat unless one is under way, and keeps the insert until it is answered.
@@ -82,10 +80,20 @@ impl Inserts {
         }
     }
 
-    /// Takes the oldest insert that waits, if the vehicle has answered by now.
+    /// Control is lost, or the operator holds: rejects every insert that waits. What was asked for before that must not
+    /// leave after it, even if control is back before the vehicle answers.
+    pub(crate) fn reject_waiting(&mut self, cx: &mut Context, reason: Uncontrolled) {
+        for waiting in core::mem::take(&mut self.waiting) {
+            cx.reject(waiting.request, reason.into());
+        }
+        cx.timers.stop(Timer::Irrevocable);
+    }
+
+    /// Takes the oldest insert that waits, if the vehicle has answered by now and the insert has not waited too long.
     pub(crate) fn take_answered(&mut self, cx: &Context) -> Option<Waiting> {
-        let answered = !self.waiting.is_empty() && cx.link.heartbeat.has_just_answered(cx.now);
-        answered.then(|| self.waiting.remove(0))
+        let in_time = |waiting: &Waiting| cx.now < waiting.until;
+        let index = self.waiting.iter().position(in_time)?;
+        has_answered(cx).then(|| self.waiting.remove(index))
     }
 
     /// Rejects the inserts that have waited for too long.
@@ -99,4 +107,11 @@ impl Inserts {
         let next = self.waiting.iter().map(|waiting| waiting.until).min();
         cx.timers.set_or_stop(Timer::Irrevocable, next);
     }
+}
+
+/// Whether the vehicle has just answered, and has answered every insert before this one. A beat that is sent after an
+/// insert shows only that the vehicle has read the insert, and not what it makes of it.
+fn has_answered(cx: &Context) -> bool {
+    let mut inserts = cx.ledger.iter().filter(|(_, entry)| entry.is_open_insert());
+    cx.link.heartbeat.has_just_answered(cx.now) && !inserts.any(|(_, entry)| entry.state == RequestState::Sent)
 }

@@ -63,8 +63,8 @@ pub(crate) struct Keeping {
     stage: Stage,
     /// Where the mission was suspended; known once BPSUS was sent.
     suspended: Option<Suspended>,
-    /// The last move that was sent.
-    sent_aim: Option<Aim>,
+    /// The last move that was sent: the vehicle is on its way there.
+    flown: Option<Hover>,
     /// When the last BPSUS, BPCON, BPGHP or BPGBP was sent.
     sent: Option<Timestamp>,
 }
@@ -133,7 +133,7 @@ impl Station {
             hover,
             stage: Stage::Due,
             suspended: None,
-            sent_aim: None,
+            flown: None,
             sent: None,
         };
         if let Some(before) = before {
@@ -145,7 +145,7 @@ impl Station {
                 stage @ (Stage::Due | Stage::Limiting(_) | Stage::Moving(_) | Stage::Standing) => stage,
             };
             keeping.suspended = before.suspended;
-            keeping.sent_aim = before.sent_aim;
+            keeping.flown = before.flown;
             keeping.sent = before.sent;
         }
         self.keeping = Some(keeping);
@@ -178,11 +178,11 @@ impl Station {
         // SPI has no command to stop. To stop a vehicle that was sent somewhere, core sends it to where it is.
         if hover.aim.is_none()
             && let Some(keeping) = &self.keeping
-            && let Some(last) = &keeping.sent_aim
+            && let Some(last) = keeping.flown.and_then(|flown| flown.aim)
         {
             hover.aim = match keeping.target {
                 StationTarget::Here => keeping.hover.aim,
-                StationTarget::Hull { .. } | StationTarget::Bottom { .. } => Some(aim_at_here(last, self.here(cx)?)?),
+                StationTarget::Hull { .. } | StationTarget::Bottom { .. } => Some(aim_at_here(&last, self.here(cx)?)?),
             };
             hover.speed_mps = asked.speed_mps.unwrap_or(keeping.hover.speed_mps);
         }
@@ -255,11 +255,17 @@ impl Station {
 
     /// A sample is new, time has passed, or something is about to be sent: judges station keeping in full, and ends it
     /// if it fails. It does so even if it has done so at this moment: a message of the same read may have changed since
-    /// what core knows. The judgement is a few comparisons. False if no station keeping is left.
+    /// what core knows. Until a changed move is sent, the vehicle flies the one before, so both are judged. The
+    /// judgement is a few comparisons. False if no station keeping is left.
     pub(crate) fn prevent(&mut self, cx: &mut Context) -> bool {
         let Some(keeping) = self.keeping else { return false };
+        let flown = keeping.flown.filter(|flown| *flown != keeping.hover);
+        let judged = || {
+            self.judge_hover(cx, &keeping.hover)?;
+            flown.map_or(Ok(0.0), |flown| self.judge_hover(cx, &flown))
+        };
         if is_on(Check::StationJudged)
-            && let Err(refusal) = self.judge_hover(cx, &keeping.hover)
+            && let Err(refusal) = judged()
         {
             self.end(cx, refusal);
             return false;
@@ -303,7 +309,7 @@ impl Station {
         if self.send(cx, letters, &message) {
             self.set_stage(Stage::Moving(keeping.request));
             if let Some(keeping) = &mut self.keeping {
-                keeping.sent_aim = Some(aim);
+                keeping.flown = Some(keeping.hover);
             }
         }
     }

@@ -2,10 +2,12 @@ use std::time::Duration;
 
 use backseat_core::StationLimits;
 use backseat_core::plugin::{Judge, Request, StationRequest, VerticalRequest};
+use backseat_spi::AckStatus;
 
 use crate::course::envelope;
 use crate::station::{glide, hovering, hovering_with, setup, station, station_limits, to_bottom, to_hull};
 use crate::trial::{Trial, shorts};
+use crate::vehicle::Reply;
 
 /// Asks for station keeping now, and returns the rejection if there is one.
 fn ask(trial: &mut Trial, request: StationRequest) -> Result<(), String> {
@@ -131,6 +133,31 @@ fn sr_004_each_refresh_of_station_keeping_is_checked_again_and_the_box_ends_it()
     assert!(reason.contains("distance_min_m 1"), "{reason}");
     let [_, _, distance_m] = trial.vehicle.hull_m.unwrap();
     assert!(distance_m > 1.3, "{distance_m}");
+}
+
+/// The vehicle moves to a place near the hull, and gets faster. The plugin asks for a move away from there, but the
+/// vehicle is slow to acknowledge the speed limit that comes before it.
+#[test]
+fn sr_004_until_a_changed_move_is_sent_the_one_that_the_vehicle_flies_is_judged_too() {
+    for slow in [false, true] {
+        let mut trial = hovering();
+        ask(&mut trial, to_hull(1, 10.0, 5.0, 2.2)).unwrap();
+        if slow {
+            let late = Reply::Late(Duration::from_millis(700), AckStatus::Succeeded);
+            trial.vehicle.replies.insert("SPD", late);
+        }
+        let away = StationRequest {
+            speed_mps: Some(0.4),
+            ..to_hull(2, 0.0, 5.0, 5.0)
+        };
+        ask(&mut trial, away).unwrap();
+        let faster = trial.now;
+        trial.vehicle.speed_mps = 0.4;
+        trial.run_for(0.2);
+        assert_eq!(trial.sent("GHP").len(), if slow { 1 } else { 2 });
+        assert_eq!(trial.sent_since("RES", faster).len(), usize::from(slow));
+        assert_eq!(trial.core.is_steering(), !slow, "{:?}", trial.lease_ends());
+    }
 }
 
 #[test]

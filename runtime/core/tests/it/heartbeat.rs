@@ -393,7 +393,7 @@ fn sr_023_an_irrevocable_request_waits_until_the_vehicle_has_answered_every_inse
         let mut trial = under_way();
         let late = Reply::Late(Duration::from_millis(400), AckStatus::Succeeded);
         trial.vehicle.replies.insert(name, late);
-        trial.ask(0, [first.clone()]);
+        trial.ask(0, [first]);
         trial.run_for(0.15);
         trial.vehicle.replies.remove(name);
         trial.ask(1, [hit(2)]);

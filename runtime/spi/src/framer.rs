@@ -31,6 +31,30 @@ pub struct Framer {
     buffer: Vec<u8>,
     cursor: Cursor,
     counts: FrameCounts,
+    watched: Watched,
+}
+
+/// The names of [`Framer::watching`], and which of them have been lost.
+#[derive(Clone, Copy, Debug)]
+struct Watched {
+    names: &'static [&'static str],
+    lost: u32,
+}
+
+impl Watched {
+    /// What begins at the start of these bytes was dropped.
+    #[cold]
+    #[inline(never)]
+    fn lost_at(&mut self, bytes: &[u8]) {
+        let Some(rest) = bytes.strip_prefix(b"$") else {
+            return;
+        };
+        for (index, name) in self.names.iter().enumerate() {
+            if rest.starts_with(name.as_bytes()) {
+                self.lost |= 1 << index;
+            }
+        }
+    }
 }
 
 /// What a sentence must have to pass.
@@ -118,6 +142,7 @@ impl Framer {
                 searched: 0,
                 inner: None,
             },
+            watched: Watched { names: &[], lost: 0 },
             counts: FrameCounts {
                 sentences: 0,
                 checksum_invalid: 0,
@@ -132,6 +157,21 @@ impl Framer {
         }
     }
 
+    /// Notes from now on whether a line with one of these names, 32 at most, is dropped: because of its checksum, for
+    /// example. A name that was damaged itself cannot be recognised.
+    #[must_use]
+    pub const fn watching(mut self, names: &'static [&'static str]) -> Self {
+        assert!(names.len() <= 32, "too many names");
+        self.watched = Watched { names, lost: 0 };
+        self
+    }
+
+    /// Which of the names of [`Framer::watching`] began a line that was dropped since the last call: the bit of each
+    /// is set, the first one lowest. What counts as cut short counts here too.
+    pub const fn take_watched(&mut self) -> u32 {
+        core::mem::replace(&mut self.watched.lost, 0)
+    }
+
     /// Adds any number of bytes, as they were read.
     pub fn push(&mut self, bytes: &[u8]) {
         for chunk in bytes.chunks(Self::CHUNK) {
@@ -142,7 +182,8 @@ impl Framer {
 
     /// The next sentence that the policy allows; `None` until more bytes are pushed.
     pub fn next_sentence(&mut self) -> Option<Sentence<'_>> {
-        let sentence = next(&self.buffer, &mut self.cursor, &mut self.counts, self.policy)?;
+        let (counts, watched) = (&mut self.counts, &mut self.watched);
+        let sentence = next(&self.buffer, &mut self.cursor, counts, watched, self.policy)?;
         self.counts.sentences += 1;
         Some(sentence)
     }
@@ -168,10 +209,12 @@ impl Framer {
     fn make_room(&mut self, needed: usize) {
         while self.buffer.len() - self.cursor.start + needed > Self::MAX_BACKLOG {
             // At the end of this loop at most one incomplete line is left.
-            if next(&self.buffer, &mut self.cursor, &mut self.counts, self.policy).is_none() {
+            let (counts, watched) = (&mut self.counts, &mut self.watched);
+            let Some(sentence) = next(&self.buffer, &mut self.cursor, counts, watched, self.policy) else {
                 break;
-            }
-            self.counts.overflowed += 1;
+            };
+            watched.lost_at(sentence.raw().as_bytes());
+            counts.overflowed += 1;
         }
         // Moving the rest costs no more than the bytes that have been taken since the last move.
         if self.cursor.start > 0 && self.cursor.start >= self.buffer.len() / 2 {
@@ -186,7 +229,13 @@ impl Framer {
 /// Takes the next good sentence, and counts what it drops before it. Inlined, because otherwise the sentence would be
 /// returned through memory.
 #[inline(always)]
-fn next<'a>(buffer: &'a [u8], cursor: &mut Cursor, counts: &mut FrameCounts, policy: Policy) -> Option<Sentence<'a>> {
+fn next<'a>(
+    buffer: &'a [u8],
+    cursor: &mut Cursor,
+    counts: &mut FrameCounts,
+    watched: &mut Watched,
+    policy: Policy,
+) -> Option<Sentence<'a>> {
     loop {
         let pending = &buffer[cursor.start..];
         if pending.first().is_some_and(|first| *first != b'$') {
@@ -214,13 +263,14 @@ fn next<'a>(buffer: &'a [u8], cursor: &mut Cursor, counts: &mut FrameCounts, pol
                 cursor.start += end + 1;
                 let sentence = match cursor.inner.take() {
                     None => judge(&window[..end], counts, policy),
-                    Some(_) => judge_parts(&window[..end], counts, policy),
+                    Some(_) => judge_parts(&window[..end], counts, watched, policy),
                 };
                 if let Some(sentence) = sentence {
                     return Some(sentence);
                 }
+                watched.lost_at(&window[..end]);
             }
-            None if window.len() == MAX_LINE => drop_start(buffer, cursor, counts),
+            None if window.len() == MAX_LINE => drop_start(buffer, cursor, counts, watched),
             None => {
                 cursor.searched = buffer.len();
                 return None;
@@ -232,7 +282,8 @@ fn next<'a>(buffer: &'a [u8], cursor: &mut Cursor, counts: &mut FrameCounts, pol
 /// Drops a `$` that no line feed follows within the longest line: continues at the next `$`, or after everything that
 /// was searched.
 #[cold]
-fn drop_start(buffer: &[u8], cursor: &mut Cursor, counts: &mut FrameCounts) {
+fn drop_start(buffer: &[u8], cursor: &mut Cursor, counts: &mut FrameCounts, watched: &mut Watched) {
+    watched.lost_at(&buffer[cursor.start..]);
     cursor.searched = cursor.start + MAX_LINE;
     match cursor.inner {
         Some(inner) => {
@@ -379,6 +430,40 @@ mod tests {
         assert_eq!(framer.counts().sentences, taken);
         assert!(framer.counts().overflowed > 0);
         assert_eq!(taken + framer.counts().overflowed, 100_000);
+    }
+
+    /// Safety requirement 001.
+    #[test]
+    fn a_dropped_line_with_a_watched_name_is_noted() {
+        let cut = CONTROL.replace("*78", "");
+        let too_long = format!("$BFCTL,{}", "1".repeat(2 * MAX_LINE));
+        for (stream, lost) in [
+            (format!("{CONTROL}\r\n"), 0),
+            ("$BFCTL,081025.987,0*78\r\n".to_owned(), 1),
+            (format!("{cut}\r\n"), 1),
+            (format!("{cut}{CONTROL}\r\n"), 1),
+            (format!("$BFNVG,0810{CONTROL}\r\n"), 2),
+            (format!("{too_long}\r\n"), 1),
+            ("$BFNVG,1*00\r\n$BFCTL\r\n$BFCTX,0*00\r\n".to_owned(), 3),
+            ("$BFCTL,\u{e9}*00\r\n".to_owned(), 1),
+        ] {
+            let mut framer = Framer::new(Policy::FromVehicle).watching(&["BFCTL", "BFNVG"]);
+            for piece in stream.as_bytes().chunks(5) {
+                framer.push(piece);
+                while framer.next_sentence().is_some() {}
+            }
+            assert_eq!((framer.take_watched(), framer.take_watched()), (lost, 0), "{stream:?}");
+        }
+        let mut framer = Framer::new(Policy::FromVehicle).watching(&["BFCTL"]);
+        framer.push(format!("{CONTROL}\r\n").repeat(100_000).as_bytes());
+        assert_eq!(framer.take_watched(), 1, "dropped before it was taken");
+        // A text may have anything in it.
+        let text = "BFTOP,081025.987,3,say $BFCTL";
+        let line = format!("${text}*{:02X}\r\n", crate::sentence::xor(text.as_bytes()));
+        let mut framer = Framer::new(Policy::FromVehicle).watching(&["BFCTL"]);
+        framer.push(line.as_bytes());
+        assert!(framer.next_sentence().is_some());
+        assert_eq!(framer.take_watched(), 0);
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! Finds the sentence in one line, or the reason why there is none. No bytes make this code panic, and it copies none
 //! (safety requirement 013).
 
+use core::cmp::Ordering;
+
 use memchr::{memchr_iter, memrchr, memrchr_iter};
 
 use crate::catalogue::catalogue;
-use crate::framer::{FrameCounts, Policy};
+use crate::framer::{FrameCounts, Policy, Watched};
 use crate::sentence::{ChecksumState, Sentence, checksum, last_star, xor};
 
 /// The sentence of a line; if there is none, the reason is counted.
@@ -37,7 +39,12 @@ pub(super) fn judge<'a>(line: &'a [u8], counts: &mut FrameCounts, policy: Policy
 /// counted.
 #[cold]
 #[inline(never)]
-pub(super) fn judge_parts<'a>(line: &'a [u8], counts: &mut FrameCounts, policy: Policy) -> Option<Sentence<'a>> {
+pub(super) fn judge_parts<'a>(
+    line: &'a [u8],
+    counts: &mut FrameCounts,
+    watched: &mut Watched,
+    policy: Policy,
+) -> Option<Sentence<'a>> {
     let line = line.trim_ascii_end();
     let start = match right_start(line, policy) {
         Some(start) => start,
@@ -48,7 +55,16 @@ pub(super) fn judge_parts<'a>(line: &'a [u8], counts: &mut FrameCounts, policy: 
     };
     let (before, rest) = line.split_at(start.at);
     counts.cut_short += memchr_iter(b'$', before).count() as u64 + start.doubts;
-    judge(rest, counts, policy)
+    let sentence = judge(rest, counts, policy);
+    let may_be_lost = |at: usize| match at.cmp(&start.at) {
+        Ordering::Less => true,
+        Ordering::Equal => sentence.is_none(),
+        Ordering::Greater => sentence.is_none() || start.doubts > 0,
+    };
+    for at in memchr_iter(b'$', line).filter(|at| may_be_lost(*at)) {
+        watched.lost_at(&line[at..]);
+    }
+    sentence
 }
 
 /// Where the sentence of a line begins, by its checksum: the `$` that the rules of [`crate::Framer`] choose, or `None`

@@ -6,9 +6,19 @@ use backseat_units::{TimeOfDay, Timestamp, Utc};
 /// How long an earlier stamp can move a new one on. After that, the earlier one is another day's.
 const BURST: Duration = Duration::from_secs(60);
 
+/// The commands with an identifier. Their answers decide what core believes that the vehicle flies.
+const TOLD_APART: [&str; 4] = ["RTK", "RTC", "RGP", "RCN"];
+/// How far apart the stamps of such commands are. An echo with two decimals, as the specification prints it, is up to
+/// 10 ms before the stamp if the vehicle cuts the rest off, and up to 5 ms before or after it if the vehicle rounds. It
+/// echoes each stamp that is less than 10 ms from it.
+const APART: Duration = Duration::from_millis(20);
+/// How far ahead of the clock a stamp can be for that.
+const AHEAD_MAX: Duration = Duration::from_secs(1);
+
 /// Gives our sentences their timestamps: UTC in whole milliseconds. Two sentences in a row of one name never have the
-/// same stamp, so the echo in an acknowledgement names exactly one command. No stamp is midnight to the millisecond,
-/// which in an echo means that there was no time.
+/// same stamp, so the echo in an acknowledgement names exactly one command. It does so even with two decimals if the
+/// command is an insert or a cancel, unless core sends more than 50 of one name in a second. No stamp is midnight to the
+/// millisecond, which in an echo means that there was no time.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Stamper {
@@ -56,9 +66,14 @@ impl Stamper {
         let mut stamp = self.utc(now).time_of_day().truncated_to_millis();
         if let Some((last, given)) = self.last.get(name)
             && now.since(*given) < BURST
-            && stamp.nanos_since(*last) <= 0
         {
-            stamp = *last + Duration::from_millis(1);
+            let apart = *last + APART;
+            let ahead = i128::from(apart.nanos_since(stamp));
+            if TOLD_APART.contains(&name) && ahead > 0 && ahead <= AHEAD_MAX.as_nanos() as i128 {
+                stamp = apart;
+            } else if stamp.nanos_since(*last) <= 0 {
+                stamp = *last + Duration::from_millis(1);
+            }
         }
         if stamp == TimeOfDay::MIDNIGHT {
             stamp = stamp + Duration::from_millis(1);
@@ -70,6 +85,8 @@ impl Stamper {
 
 #[cfg(test)]
 mod tests {
+    use backseat_spi::EchoedTime;
+
     use super::*;
 
     #[test]
@@ -84,6 +101,29 @@ mod tests {
             stamper.stamp(Timestamp::from_secs(1), "BPRMB").to_string(),
             "00:00:00.999"
         );
+    }
+
+    #[test]
+    fn echoes_with_two_decimals_tell_inserts_of_one_instant_apart() {
+        for name in TOLD_APART {
+            let mut stamper = Stamper::new(Utc::from_unix_nanos(86_399_990_000_000));
+            let stamps: Vec<TimeOfDay> = (0..50).map(|_| stamper.stamp(Timestamp::ZERO, name)).collect();
+            for (index, stamp) in stamps.iter().enumerate() {
+                let rounded = *stamp + Duration::from_millis(5);
+                for written in [*stamp, rounded].map(|written| EchoedTime::with_decimals(written, 2)) {
+                    let echoed = stamps.iter().filter(|other| written.echoes(**other));
+                    assert!(echoed.eq([stamp]), "{name} {index}: {written}");
+                }
+            }
+            assert!(stamps[49].nanos_since(stamps[0]) <= 1_000_000_000);
+            // More in one second have stamps of their own, but a short echo may not tell them apart.
+            let more = stamper.stamp(Timestamp::ZERO, name);
+            let more: Vec<TimeOfDay> = (0..9)
+                .map(|_| stamper.stamp(Timestamp::ZERO, name))
+                .chain([more])
+                .collect();
+            assert!(more.iter().all(|stamp| !stamps.contains(stamp)));
+        }
     }
 
     #[test]

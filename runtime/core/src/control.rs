@@ -1,4 +1,12 @@
+use std::time::Duration;
+
+use backseat_units::{TimeOfDay, Timestamp};
+
 use crate::settings::ControlHook;
+
+/// For how long a BFCTL can be older than one that came before it. After that, a time of day that seems older is that of
+/// another day, or the vehicle's clock was set.
+const OLDER_WITHIN: Duration = Duration::from_secs(60);
 
 /// What the vehicle, the operator and the run itself say about who steers.
 #[derive(Debug, Default)]
@@ -8,6 +16,8 @@ pub(crate) struct Control {
     pub(crate) armed: bool,
     /// Whether the backseat has control, by the last word of the configured hook.
     pub(crate) handed_over: Option<bool>,
+    /// The newest BFCTL of this connection that took control away: when the vehicle made it, and when it came.
+    pub(crate) revoked: Option<(TimeOfDay, Timestamp)>,
     /// BFMIS begins with `Running`.
     pub(crate) running: Option<bool>,
     /// The operator holds.
@@ -27,14 +37,31 @@ impl Control {
     /// The link is new or gone: the vehicle has said nothing about control on it.
     pub(crate) fn forget(&mut self) {
         self.handed_over = None;
+        self.revoked = None;
         self.running = None;
     }
 
-    /// A message of the vehicle that cannot be read may have taken control away (safety requirement 001). Returns
-    /// whether this one may have.
+    /// A BFCTL. One that gives control does not count if the vehicle made it before the newest one that took control
+    /// away, because that one then tells the later state. Returns whether this one counts.
+    pub(crate) fn hand_over(&mut self, now: Timestamp, created: TimeOfDay, granted: bool) -> bool {
+        let newest = self.revoked.filter(|(_, heard)| now.since(*heard) < OLDER_WITHIN);
+        let is_older = newest.is_some_and(|(revoked, _)| created.nanos_since(revoked) < 0);
+        if !granted && !is_older {
+            self.revoked = Some((created, now));
+        }
+        let counts = !(granted && is_older);
+        if counts {
+            self.handed_over = Some(granted);
+        }
+        counts
+    }
+
+    /// A message of the vehicle that is damaged or cannot be read may have taken control away (safety requirement 001).
+    /// Returns whether this one may have.
     pub(crate) fn doubt(&mut self, hook: &ControlHook, message: &str) -> bool {
         match message {
             "BFCTL" if *hook == ControlHook::Bfctl => self.handed_over = None,
+            "BFMSC" if matches!(hook, ControlHook::MissionCommand { .. }) => self.handed_over = None,
             "BFMIS" => self.running = None,
             _ => return false,
         }

@@ -33,12 +33,16 @@ const SILENT: Duration = Duration::from_secs(5);
 /// We reset the connection when [`SILENT`] has passed this many times in a row without navigation.
 const SILENCES_MAX: u32 = 3;
 const PLAN_RETRY: Duration = Duration::from_secs(5);
-/// How many times a minute a message of the vehicle makes us ask for its plan at once. After that we ask when
-/// [`PLAN_ASKED_ANEW`] has passed.
+/// How many times a minute we ask for the plan at once because of a message of the vehicle, or ask again because it did
+/// not come. After that, a message makes us ask when [`PLAN_ASKED_ANEW`] has passed.
 const PLAN_ASKS_PER_MIN: u32 = 6;
 const PLAN_ASKED_ANEW: Duration = Duration::from_secs(10);
+/// How many times a minute we subscribe anew to a message about control, because one could not be used.
+const CONTROL_ASKS_PER_MIN: u32 = 6;
 /// How often we report the changes of control that were too many to report one by one.
 const CATCH_UP_EVERY: Duration = Duration::from_secs(10);
+/// The messages that can take control away. A damaged one may have done so.
+const ABOUT_CONTROL: [&str; 3] = ["BFCTL", "BFMIS", "BFMSC"];
 const RETRY_MIN_S: f64 = 0.5;
 /// The longest pause between two attempts to connect, including its random part.
 const RETRY_MAX_S: f64 = 10.0;
@@ -69,8 +73,10 @@ pub(crate) struct Session {
     /// How many times in a row [`SILENT`] has passed without navigation.
     silences: u32,
     malformed: u64,
-    /// When messages of the vehicle made us ask for its plan.
+    /// When we asked for the vehicle's plan.
     plan_asks: LastMinute,
+    /// When we subscribed to a message about control anew.
+    control_asks: LastMinute,
     /// We have reported that the vehicle does not answer in time, and it has not done so since.
     unheard_told: bool,
     /// The offset of the vehicle's clock that we last reported on this connection, and when.
@@ -104,13 +110,14 @@ struct ControlNotes {
 impl Session {
     pub(crate) fn new(jitter: u64) -> Self {
         Self {
-            framer: Framer::new(Policy::FromVehicle),
+            framer: Framer::new(Policy::FromVehicle).watching(&ABOUT_CONTROL),
             lost: 0,
             jitter,
             attempts: 0,
             silences: 0,
             malformed: 0,
             plan_asks: LastMinute::default(),
+            control_asks: LastMinute::default(),
             unheard_told: false,
             clock_told: None,
             control_notes: ControlNotes {
@@ -127,6 +134,7 @@ impl Session {
     pub(crate) fn begin(&mut self, cx: &mut Context) {
         self.framer.clear();
         self.lost = self.framer.counts().lost();
+        self.framer.take_watched();
         self.silences = 0;
         self.malformed = 0;
         self.unheard_told = false;
@@ -177,6 +185,16 @@ impl Session {
     pub(crate) fn take_lost(&mut self) -> bool {
         let lost = self.framer.counts().lost();
         core::mem::replace(&mut self.lost, lost) != lost
+    }
+
+    /// Which messages about control the framer has lost since the last call, as far as their names can be read.
+    pub(crate) fn take_damaged(&mut self) -> impl Iterator<Item = &'static str> + use<> {
+        let damaged = self.framer.take_watched();
+        ABOUT_CONTROL
+            .into_iter()
+            .enumerate()
+            .filter(move |(index, _)| damaged & (1 << index) != 0)
+            .map(|(_, message)| message)
     }
 
     /// Counts a sentence that cannot be decoded. Returns the count if it is one to report: 1, 10, 100, ...
@@ -358,6 +376,28 @@ impl Session {
         if let Some(index) = cx.link.subscriptions.doubt(message) {
             self.subscribe(cx, index);
         }
+    }
+
+    /// Core does not know what a message about control says: ends the subscription to it and subscribes again, so many
+    /// times a minute. A vehicle that tells the present state to a new subscriber takes us for one then. Until it has
+    /// told it, there is no control, so nothing is missed meanwhile.
+    pub(crate) fn ask_about_control(&mut self, cx: &mut Context, message: &str) {
+        let subject = message.strip_prefix("BF").unwrap_or(message);
+        if !self.control_asks.has_room(cx.now, CONTROL_ASKS_PER_MIN) {
+            return;
+        }
+        let Some(index) = cx.link.subscriptions.doubt(subject) else {
+            // A command message comes without a subscription.
+            return;
+        };
+        self.control_asks.add(cx.now);
+        let end = ToVehicle::LoggingControl(LoggingControl {
+            message: Text::cleaned(subject),
+            on: false,
+        });
+        let command = cx.courtesy("LOG", None);
+        cx.transmit(&end, Some(command));
+        self.subscribe(cx, index);
     }
 
     fn subscribe(&mut self, cx: &mut Context, index: usize) {

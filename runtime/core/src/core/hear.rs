@@ -42,8 +42,10 @@ impl Core {
                     if line.swallows || begins_or_ends {
                         self.invalidate_after_loss();
                     }
-                    if self.cx.control.doubt(&self.cx.settings.control, error.message) {
-                        self.settle_control();
+                    self.doubt_control(error.message);
+                    if error.message == "BFSHT" {
+                        // Its only field is the time, which does not matter.
+                        self.vehicle_shuts_down();
                     }
                     self.malformed(&error);
                 }
@@ -57,6 +59,9 @@ impl Core {
         if self.session.take_lost() {
             self.invalidate_after_loss();
         }
+        for message in self.session.take_damaged() {
+            self.doubt_control(message);
+        }
     }
 
     /// A message was lost. If a modify is steering, it goes on only if it would be allowed now.
@@ -64,6 +69,32 @@ impl Core {
         course::lost(&mut self.cx);
         self.cx.vehicle.invalidate_after_loss();
         self.capabilities.modify.prevent(&mut self.cx);
+    }
+
+    /// A message of this name was damaged or cannot be read. If it may have taken control away, core has none until the
+    /// vehicle says so again, and subscribes to the message anew: vehicles send it when control changes, and to a new
+    /// subscriber.
+    fn doubt_control(&mut self, message: &str) {
+        if self.cx.control.doubt(&self.cx.settings.control, message) {
+            self.settle_control();
+            self.session.ask_about_control(&mut self.cx, message);
+        }
+    }
+
+    /// The power will be cut, in a minute at the earliest (BFSHT).
+    fn vehicle_shuts_down(&mut self) {
+        if self.cx.control.stopping || !is_on(Check::Shutdown) {
+            // A repeated BFSHT gives us no more time.
+            return;
+        }
+        self.cx.note(Note::Text {
+            text: "the vehicle shuts our power off in a minute".to_owned(),
+        });
+        self.capabilities.end_controlled(&mut self.cx, EndCause::PowerGoes);
+        self.cx.control.stopping = true;
+        self.cx.plugins.tell_all(&Event::Shutdown);
+        self.capabilities.sonar.shutdown(&mut self.cx);
+        self.cx.timers.set(Timer::Shutdown, self.cx.now + CLOSE_AFTER_SHUTDOWN);
     }
 
     fn malformed(&mut self, error: &DecodeError) {
@@ -82,9 +113,12 @@ impl Core {
             FromVehicle::BackseatControl(message) => {
                 self.cx.heard(message.created);
                 if self.cx.settings.control == ControlHook::Bfctl {
-                    self.cx.control.handed_over = Some(message.granted);
+                    let counts = self.cx.control.hand_over(self.cx.now, message.created, message.granted);
                     // If the vehicle takes control and gives it back within one read, it was still lost.
                     self.settle_control();
+                    if !counts {
+                        self.session.ask_about_control(&mut self.cx, "BFCTL");
+                    }
                 }
             }
             FromVehicle::MissionStatus(message) => self.mission_status(&message),
@@ -93,18 +127,7 @@ impl Core {
             FromVehicle::MissionCommand(message) => self.mission_command(&message),
             FromVehicle::Shutdown(message) => {
                 self.cx.heard(message.created);
-                if self.cx.control.stopping || !is_on(Check::Shutdown) {
-                    // A repeated BFSHT gives us no more time.
-                    return;
-                }
-                self.cx.note(Note::Text {
-                    text: "the vehicle shuts our power off in a minute".to_owned(),
-                });
-                self.capabilities.end_controlled(&mut self.cx, EndCause::PowerGoes);
-                self.cx.control.stopping = true;
-                self.cx.plugins.tell_all(&Event::Shutdown);
-                self.capabilities.sonar.shutdown(&mut self.cx);
-                self.cx.timers.set(Timer::Shutdown, self.cx.now + CLOSE_AFTER_SHUTDOWN);
+                self.vehicle_shuts_down();
             }
             FromVehicle::Ctd(message) => self.ctd(&message),
             FromVehicle::PlanElement(message) => {
@@ -234,7 +257,7 @@ impl Core {
         if let ControlHook::MissionCommand { grant, revoke } = &self.cx.settings.control {
             if text == grant {
                 self.cx.control.handed_over = Some(true);
-            } else if text == revoke {
+            } else if text.trim() == revoke.trim() {
                 self.cx.control.handed_over = Some(false);
             }
             self.settle_control();

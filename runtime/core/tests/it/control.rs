@@ -3,7 +3,7 @@ use std::time::Duration;
 use backseat_core::plugin::{Event, Request};
 use backseat_core::{ControlHook, Operator, Settings, Start};
 use backseat_spi::{MissionCommand, Text};
-use backseat_units::Timestamp;
+use backseat_units::{Timestamp, Utc};
 
 use crate::course::{good_line, modify};
 use crate::trial::{Seen, Setup, Trial};
@@ -258,4 +258,175 @@ fn sr_011_a_runtime_that_wakes_after_the_shutdown_time_sends_nothing() {
     let finish = trial.seen.iter().find(|(_, seen)| *seen == Seen::Finish);
     assert!(finish.is_some_and(|(at, _)| at.since(asleep) < Duration::from_secs(10)));
     assert_eq!(trial.names_since(asleep), Vec::<&str>::new(), "{:#?}", trial.notes());
+}
+
+/// A line of the vehicle with a right checksum, whatever is in it.
+fn hear_line(trial: &mut Trial, body: &str) {
+    let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    trial.hear_bytes(format!("${body}*{sum:02X}\r\n").as_bytes());
+}
+
+#[test]
+fn sr_011_a_shutdown_whose_time_cannot_be_read_is_a_shutdown() {
+    for body in ["BFSHT,", "BFSHT", "BFSHT,081099.000"] {
+        let mut trial = Trial::steering();
+        let told = trial.now;
+        hear_line(&mut trial, body);
+        trial.run_for(10.0);
+        let finish = trial.seen.iter().find(|(_, seen)| *seen == Seen::Finish);
+        assert!(
+            finish.is_some_and(|(at, _)| at.since(told) <= Duration::from_secs(10)),
+            "{body}"
+        );
+        assert!(
+            !trial.core.has_control() && trial.sent_since("EMB", told).len() == 1,
+            "{body}"
+        );
+    }
+}
+
+/// Steers under control that a mission command has given.
+fn steering_by_mission_command() -> Trial {
+    let settings = Settings {
+        control: ControlHook::MissionCommand {
+            grant: "backseat go".to_owned(),
+            revoke: "backseat stop".to_owned(),
+        },
+        ..Settings::default()
+    };
+    let mut trial = Trial::with(Setup {
+        settings,
+        ..Setup::default()
+    });
+    trial.run_for(2.0);
+    says(&mut trial, "backseat go");
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    assert!(trial.core.is_steering());
+    trial
+}
+
+fn says(trial: &mut Trial, text: &str) {
+    let created = trial.vehicle.clock(trial.now);
+    let text = Text::cleaned(text);
+    trial.hear_now([MissionCommand { created, text }.into()]);
+}
+
+#[test]
+fn sr_001_a_mission_command_that_cannot_be_read_may_have_taken_control_away() {
+    for line in ["BFMSC,,backseat stop", "BFMSC"] {
+        let mut trial = steering_by_mission_command();
+        hear_line(&mut trial, line);
+        assert!(!trial.core.has_control() && !trial.core.is_steering(), "{line}");
+        says(&mut trial, "backseat go");
+        assert!(trial.core.has_control(), "{line}");
+        // With another hook it says nothing about control.
+        let mut trial = Trial::steering();
+        hear_line(&mut trial, line);
+        assert!(trial.core.is_steering(), "{line}");
+    }
+}
+
+#[test]
+fn sr_001_a_text_that_takes_control_away_may_have_blanks_around_it() {
+    for text in ["backseat stop ", " backseat stop"] {
+        let mut trial = steering_by_mission_command();
+        says(&mut trial, text);
+        assert!(!trial.core.has_control(), "{text:?}");
+        says(&mut trial, "backseat go ");
+        assert!(!trial.core.has_control(), "the text that gives it may not");
+    }
+}
+
+/// A message about control whose checksum is wrong may have been the revocation. Core asks for it, and has control again
+/// when the vehicle has told it.
+#[test]
+fn sr_001_a_damaged_message_about_control_takes_it_away_until_the_vehicle_says_it_again() {
+    for (line, subject) in [
+        ("$BFCTL,081025.987,0*00\r\n", "CTL"),
+        ("$BFCTL,081025.987,0\r\n", "CTL"),
+        ("$BFMIS,081025.987,survey.dive,Stop", "MIS"),
+    ] {
+        let mut trial = Trial::steering();
+        let at = trial.now;
+        trial.hear_bytes(line.as_bytes());
+        // The begin of another line shows that one was cut short.
+        hear_line(&mut trial, "BFXYZ,1");
+        assert!(!trial.core.has_control() && !trial.core.is_steering(), "{line}");
+        assert_eq!(trial.sent_since("EMB", at).len(), 1, "{line}");
+        trial.run_for(0.5);
+        assert!(trial.core.has_control(), "{line}: {:#?}", trial.notes());
+        let asked = |(at, command)| match command {
+            backseat_spi::ToVehicle::LoggingControl(logging) => Some((at, logging.message.to_string(), logging.on)),
+            _ => None,
+        };
+        let asked: Vec<_> = trial.commands("LOG").into_iter().filter_map(asked).collect();
+        let again = asked.into_iter().filter(|(when, ..)| *when >= at);
+        assert!(
+            again.eq([(at, subject.to_owned(), false), (at, subject.to_owned(), true)]),
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn sr_001_a_damaged_mission_command_takes_control_away_if_it_can() {
+    let damaged = b"$BFMSC,081025.987,backseat stop*00\r\n";
+    let mut trial = steering_by_mission_command();
+    trial.hear_bytes(damaged);
+    assert!(!trial.core.has_control());
+    let mut trial = Trial::steering();
+    trial.hear_bytes(damaged);
+    assert!(trial.core.has_control());
+}
+
+/// Whatever comes of it, core does not fill the link.
+#[test]
+fn sr_001_damaged_messages_about_control_cause_few_subscriptions() {
+    let mut trial = Trial::under_way();
+    let at = trial.now;
+    for _ in 0..600 {
+        trial.hear_bytes(b"$BFCTL,081025.987,1*00\r\n");
+        assert!(!trial.core.has_control());
+        trial.run_for(0.1);
+    }
+    assert!(
+        trial.sent_since("LOG", at).len() <= 16,
+        "{}",
+        trial.sent_since("LOG", at).len()
+    );
+}
+
+/// The vehicle made the grant before the revocation, and it comes after it.
+#[test]
+fn sr_001_an_older_grant_does_not_overrule_a_newer_revocation() {
+    // Midnight comes between the two.
+    let before_midnight = Utc::from_unix_nanos(1_700_006_400_000_000_000 - 3_500_000_000);
+    for utc in [Setup::default().start.utc, before_midnight] {
+        let mut setup = Setup::default();
+        setup.start.utc = utc;
+        let mut trial = Trial::with(setup);
+        trial.vehicle.utc = utc;
+        trial.run_for(2.5);
+        assert!(trial.core.has_control());
+        let control = |trial: &Trial, granted| backseat_spi::BackseatControl {
+            created: trial.vehicle.clock(trial.now),
+            granted,
+        };
+        let older = control(&trial, true);
+        trial.run_for(2.0);
+        trial.vehicle.control = false;
+        let revoked = control(&trial, false);
+        trial.hear_now([revoked.into()]);
+        trial.run_for(0.5);
+        let asked = trial.sent("LOG").len();
+        trial.hear_now([older.into()]);
+        assert!(!trial.core.has_control(), "{utc:?}");
+        trial.run_for(1.0);
+        assert!(!trial.core.has_control(), "{utc:?}");
+        assert_eq!(trial.sent("LOG").len(), asked + 2, "{utc:?}: core asks the vehicle");
+        let newer = control(&trial, true);
+        trial.hear_now([newer.into()]);
+        assert!(trial.core.has_control(), "{utc:?}");
+    }
 }

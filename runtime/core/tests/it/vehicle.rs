@@ -64,6 +64,10 @@ pub(crate) struct Vehicle {
     pub(crate) leap_at: Option<Timestamp>,
     /// How many more subscriptions the vehicle does not hear.
     pub(crate) deaf_to_subscriptions: u32,
+    /// The next subscription to this message is damaged on its way.
+    pub(crate) damaged_subscription: Option<&'static str>,
+    /// Whether the vehicle answers a damaged subscription with a NAK.
+    pub(crate) naks_damage: bool,
     /// How many decimals of a command's time its acknowledgements have.
     pub(crate) echo_decimals: u8,
     due: Vec<(Timestamp, FromVehicle)>,
@@ -101,6 +105,8 @@ impl Vehicle {
             answers_unasked: false,
             leap_at: None,
             deaf_to_subscriptions: 0,
+            damaged_subscription: None,
+            naks_damage: true,
             echo_decimals: 3,
             due: Vec::new(),
             next_navigation: Timestamp::from_millis(50),
@@ -289,7 +295,17 @@ impl Vehicle {
                 self.deaf_to_subscriptions -= 1;
                 return;
             }
-            let new = self.subscribed.insert(logging.message.as_str().to_owned());
+            if self.damaged_subscription == Some(logging.message.as_str()) {
+                self.damaged_subscription = None;
+                if !self.naks_damage {
+                    return;
+                }
+                return self.acknowledge(now, ("NAK", TimeOfDay::MIDNIGHT, None, AckStatus::Invalid));
+            }
+            let new = logging.on && self.subscribed.insert(logging.message.as_str().to_owned());
+            if !logging.on {
+                self.subscribed.remove(logging.message.as_str());
+            }
             if new && self.replays {
                 match logging.message.as_str() {
                     "CTL" => self.set_control(now, self.control),

@@ -24,8 +24,23 @@ impl LastMinute {
         u32::try_from(self.at.len()).is_ok_and(|count| count < most) || !is_on(Check::MinuteRate)
     }
 
+    /// When one more is within `most` a minute; not before now.
+    pub(crate) fn room_at(&mut self, now: Timestamp, most: u32) -> Timestamp {
+        if self.has_room(now, most) {
+            return now;
+        }
+        let over = self
+            .at
+            .len()
+            .saturating_sub(usize::try_from(most).unwrap_or(usize::MAX));
+        self.at.get(over).map_or(now, |at| *at + MINUTE)
+    }
+
     /// Notes that it was done once more. A caller that asks [`LastMinute::has_room`] first keeps the limit.
     pub(crate) fn add(&mut self, now: Timestamp) {
+        while self.at.front().is_some_and(|at| now.since(*at) >= MINUTE) {
+            self.at.pop_front();
+        }
         self.at.push_back(now);
     }
 }
@@ -33,6 +48,19 @@ impl LastMinute {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn there_is_room_a_minute_after_the_oldest_that_counts() {
+        let mut last = LastMinute::default();
+        let at = Timestamp::from_secs;
+        assert_eq!(last.room_at(at(5), 2), at(5));
+        for second in [10, 20, 30] {
+            last.add(at(second));
+        }
+        assert_eq!(last.room_at(at(31), 2), at(80));
+        assert_eq!(last.room_at(at(31), 3), at(70));
+        assert_eq!(last.room_at(at(31), 4), at(31));
+    }
 
     #[test]
     fn no_minute_holds_more_than_the_limit() {

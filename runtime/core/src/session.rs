@@ -458,6 +458,7 @@ impl Session {
             pending: false,
         };
         if cx.transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command)) {
+            self.plan_asks.add(cx.now);
             cx.vehicle.plan.asked(cx.now);
             self.begin_plan(cx);
         }
@@ -467,7 +468,6 @@ impl Session {
     /// second, so after the first few the request waits.
     pub(crate) fn want_plan(&mut self, cx: &mut Context) {
         if self.plan_asks.has_room(cx.now, PLAN_ASKS_PER_MIN) {
-            self.plan_asks.add(cx.now);
             return self.ask_for_plan(cx);
         }
         cx.timers.set_unless_set(Timer::Plan, cx.now + PLAN_ASKED_ANEW);
@@ -477,10 +477,12 @@ impl Session {
         cx.vehicle.plan.begin(self.framer.counts().lost());
     }
 
-    /// The plan did not come: asks for it again after [`PLAN_RETRY`].
+    /// The plan did not come: asks for it again after [`PLAN_RETRY`], or later, when that is within
+    /// [`PLAN_ASKS_PER_MIN`].
     pub(crate) fn plan_failed(&mut self, cx: &mut Context) {
         cx.vehicle.plan.fail();
-        cx.timers.set(Timer::Plan, cx.now + PLAN_RETRY);
+        let room_at = self.plan_asks.room_at(cx.now, PLAN_ASKS_PER_MIN);
+        cx.timers.set(Timer::Plan, room_at.max(cx.now + PLAN_RETRY));
     }
 
     /// Reports the vehicle's clock if it has moved against ours since the last report on this connection. The first

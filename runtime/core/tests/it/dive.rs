@@ -283,3 +283,27 @@ fn sr_002_sr_025_an_insert_answered_after_a_change_of_dive_may_belong_to_the_old
     let behind = Request::Trackline(line(2, (0.0, -1500.0), (500.0, -1500.0)));
     refused_for(&mut trial, behind, 2, "wreck");
 }
+
+/// The vehicle refuses the plan of the dive that it has just named.
+#[test]
+fn sr_025_a_plan_that_is_refused_is_asked_for_at_most_six_times_a_minute() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("RMP", Reply::Refuse);
+    let at = trial.now;
+    for dive in ["a", "b"] {
+        let begun = BehaviorBegin {
+            created: trial.vehicle.clock(trial.now),
+            dive_file: Text::cleaned(dive),
+            number: Some(1),
+            identifier: None,
+            kind: Text::cleaned("trackline"),
+        };
+        trial.hear_now([begun.into()]);
+    }
+    trial.run_for(300.0);
+    let asked = trial.sent_since("RMP", at);
+    assert!(asked.len() >= 20, "{asked:?}");
+    for pair in asked.windows(7) {
+        assert!(pair[6].since(pair[0]) >= Duration::from_secs(60), "{asked:?}");
+    }
+}

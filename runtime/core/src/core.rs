@@ -271,7 +271,7 @@ impl Core {
             Timer::Navigation => {}
             Timer::Acknowledgement => {
                 while let Some(command) = self.cx.link.commands.late(self.cx.now) {
-                    self.answered(command, Answer::Missing);
+                    self.answered(command, Answer::Missing, false);
                 }
             }
             Timer::Silence => self.session.silence(&mut self.cx),

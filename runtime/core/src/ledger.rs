@@ -152,6 +152,8 @@ pub(crate) struct Ledger {
     /// Inserts that timed out. The vehicle may still fly them, so they stay under the caps and under the rule that
     /// nothing interrupts an insert that interrupts.
     doubtful: BTreeMap<u64, Entry>,
+    /// The newest inserts that the vehicle has refused, in case it accepts one after all.
+    refused: BTreeMap<u64, Entry>,
     /// Inserts that the runtime is cancelling.
     recalled: BTreeSet<u64>,
     /// The insert that the vehicle flew last, if it has reported the end of it, and nothing has begun since.
@@ -160,6 +162,9 @@ pub(crate) struct Ledger {
     /// interrupted them, so the vehicle may take them up again until its plan goes on.
     left: Vec<Entry>,
 }
+
+/// How many refused inserts are remembered.
+const REFUSED_MAX: usize = 64;
 
 impl Ledger {
     /// Enters a request, and returns its number.
@@ -374,6 +379,17 @@ impl Ledger {
         self.doubtful.clear();
         self.left.clear();
         self.flown_last = None;
+        self.refused.clear();
+    }
+
+    /// The vehicle has accepted an insert that it had refused: it may fly it. The request keeps its outcome, and still
+    /// counts as failed. Returns the insert's entry.
+    pub(crate) fn doubt_refused(&mut self, now: Timestamp, request: u64) -> Option<&Entry> {
+        let mut entry = self.refused.remove(&request)?;
+        entry.state = RequestState::TimedOut;
+        // A plan that was asked for before now may lack it.
+        entry.sent_at = now;
+        Some(self.doubtful.entry(request).or_insert(entry))
     }
 
     /// Notes whether the runtime is cancelling an insert.
@@ -415,10 +431,16 @@ impl Ledger {
         };
         if is_end(&transition.state)
             && let Some(entry) = self.open.remove(&request)
-            && transition.state == RequestState::TimedOut
             && entry.is_open_insert()
         {
-            self.doubtful.insert(request, entry);
+            if transition.state == RequestState::TimedOut {
+                self.doubtful.insert(request, entry);
+            } else if matches!(transition.state, RequestState::Failed(_)) {
+                if self.refused.len() >= REFUSED_MAX {
+                    self.refused.pop_first();
+                }
+                self.refused.insert(request, entry);
+            }
         }
         Some(transition)
     }

@@ -428,19 +428,47 @@ impl Session {
         }
     }
 
-    pub(crate) fn subscription_answered(&mut self, cx: &mut Context, index: usize, answer: Answer<'_>) {
+    /// The vehicle's answer to a subscription, or the lack of one. `named` is whether the answer names the message.
+    pub(crate) fn subscription_answered(&mut self, cx: &mut Context, index: usize, answer: Answer<'_>, named: bool) {
         match answer {
             Answer::Pending => {}
-            Answer::Done => cx.link.subscriptions.confirm(index),
-            Answer::Refused(text) => {
-                let message = cx.link.subscriptions.subject(index);
-                cx.note(Note::Text {
-                    text: format!("the vehicle refused the subscription to BF{message}: {text}"),
-                });
-            }
-            // The acknowledgement is missing, but the subscribed message comes.
-            Answer::Missing if cx.link.subscriptions.is_confirmed(index) => {}
-            Answer::Missing => self.subscribe(cx, index),
+            Answer::Done if named => cx.link.subscriptions.confirm(index),
+            Answer::Done => cx.link.subscriptions.confirm_by_place(index),
+            Answer::Refused(text) => self.tell_of_refused_subscription(cx, index, text),
+            Answer::Missing => return self.subscribe_doubtful(cx, Some(index)),
+        }
+        self.log_answered(cx, answer);
+    }
+
+    /// A BPLOG has had its answer, or the answer is missing. If no other waits, and none was missing since, all answers
+    /// have come.
+    pub(crate) fn log_answered(&mut self, cx: &mut Context, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => {}
+            Answer::Missing => self.subscribe_doubtful(cx, None),
+            Answer::Done | Answer::Refused(_) if cx.link.commands.awaits_log() => {}
+            Answer::Done | Answer::Refused(_) => cx.link.subscriptions.trust_places(),
+        }
+    }
+
+    pub(crate) fn tell_of_refused_subscription(&self, cx: &mut Context, index: usize, text: &str) {
+        let message = cx.link.subscriptions.subject(index);
+        cx.note_of_vehicle(Note::Text {
+            text: format!("the vehicle refused the subscription to BF{message}: {text}"),
+        });
+    }
+
+    /// An answer to a BPLOG is missing, that of the subscription `missing` if it was one. Acknowledgements of BPLOG
+    /// seldom name a message, so the vehicle may lack any subscription that is confirmed by nothing else: all of them
+    /// are sent again, in the order of the list. A subscription whose message comes is not, even if its answer is
+    /// missing.
+    pub(crate) fn subscribe_doubtful(&mut self, cx: &mut Context, missing: Option<usize>) {
+        let mut doubtful = cx.link.subscriptions.doubt_by_place();
+        doubtful.extend(missing.filter(|index| !cx.link.subscriptions.is_confirmed(*index)));
+        doubtful.sort_unstable();
+        doubtful.dedup();
+        for index in doubtful {
+            self.subscribe(cx, index);
         }
     }
 

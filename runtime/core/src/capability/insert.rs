@@ -20,6 +20,7 @@ use crate::capability::insert::irrevocable::Waiting;
 use crate::capability::insert::recall::Recalls;
 use crate::context::Context;
 use crate::ended::{EndCause, Failure};
+use crate::io::Note;
 use crate::ledger::schedule::Schedule;
 use crate::monitor::envelope::{Flight, Insert, InsertPath, Route, Vertical};
 use crate::monitor::limits::Grant;
@@ -291,6 +292,22 @@ impl Inserts {
             Answer::Done => cx.transition(request, RequestState::Accepted),
             Answer::Refused(text) => cx.transition(request, RequestState::Failed(Failure::Vehicle(text.to_owned()))),
             Answer::Missing => self.unanswered(cx, request),
+        }
+    }
+
+    /// The vehicle has accepted an insert after it had refused it. The plugin takes it for refused, so it counts as one
+    /// that the vehicle may fly, and the runtime cancels it, unless it is a GPS hit.
+    pub(crate) fn accepted_after_refusal(&mut self, cx: &mut Context, request: u64) {
+        let Some(entry) = cx.ledger.doubt_refused(cx.now, request) else {
+            return;
+        };
+        let surfaces = entry.insert.is_some_and(|insert| insert.surfaces());
+        let identifier = entry.identifier.filter(|_| !surfaces);
+        cx.note_of_vehicle(Note::Text {
+            text: format!("the vehicle has accepted insert {request} after it had refused it"),
+        });
+        if let Some(identifier) = identifier {
+            self.recall_as(cx, request, identifier);
         }
     }
 

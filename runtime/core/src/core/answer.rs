@@ -4,7 +4,7 @@ use backseat_spi::{AckStatus, Acknowledgement};
 
 use super::Core;
 use crate::io::Note;
-use crate::session::commands::{Answer, Command, Purpose};
+use crate::session::commands::{Answer, Command, Found, Purpose};
 use crate::session::name;
 
 impl Core {
@@ -21,30 +21,52 @@ impl Core {
             return;
         }
         let subscriptions = self.cx.link.subscriptions.subjects();
-        let Some((command, settled)) = self.cx.link.commands.answer(ack, self.cx.now, subscriptions) else {
+        let Some((command, found)) = self.cx.link.commands.answer(ack, self.cx.now, subscriptions) else {
             if ack.command == name("RMB") && matches!(ack.status, AckStatus::Invalid | AckStatus::Failed) {
                 let (echo, text) = (ack.command_created, ack.text.as_str());
                 self.capabilities.modify.refused_again(&mut self.cx, echo, text);
             }
             return;
         };
+        let named = match found {
+            Found::Settled { named } => named,
+            Found::NotSettled => return self.answered(command, Answer::Pending, true),
+            Found::NotUnderstood => return self.not_understood(&command, ack.text.as_str()),
+            Found::AfterRefusal => {
+                if let Purpose::Insert(request) = command.purpose {
+                    self.capabilities.inserts.accepted_after_refusal(&mut self.cx, request);
+                }
+                return;
+            }
+        };
         let answer = match ack.status {
             AckStatus::Pending => Answer::Pending,
-            AckStatus::Succeeded if !settled => Answer::Pending,
             AckStatus::Succeeded => Answer::Done,
             AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => Answer::Refused(ack.text.as_str()),
         };
-        self.answered(command, answer);
+        self.answered(command, answer, named);
+    }
+
+    /// The vehicle may not have understood a command that core sends again, or cancels, if it is not answered in time.
+    fn not_understood(&mut self, command: &Command, text: &str) {
+        if let Purpose::Subscription(index) = command.purpose {
+            return self.session.tell_of_refused_subscription(&mut self.cx, index, text);
+        }
+        let command = command.name.as_str();
+        self.cx.note_of_vehicle(Note::Text {
+            text: format!("the vehicle did not understand {command} or another command: {text}"),
+        });
     }
 
     /// Passes an answer, or its absence, to the part that sent the command.
-    pub(crate) fn answered(&mut self, command: Command, answer: Answer<'_>) {
+    /// `named` is whether the acknowledgement named the command.
+    pub(crate) fn answered(&mut self, command: Command, answer: Answer<'_>, named: bool) {
         match command.purpose {
             // Its answer shows only that this vehicle answers early commands.
             Purpose::Early => {}
-            // Only its round trip counts.
-            Purpose::Beat => {}
-            Purpose::Subscription(index) => self.session.subscription_answered(&mut self.cx, index, answer),
+            // Otherwise only its round trip counts.
+            Purpose::Beat => self.session.log_answered(&mut self.cx, answer),
+            Purpose::Subscription(index) => self.session.subscription_answered(&mut self.cx, index, answer, named),
             Purpose::Plan => self.plan_answered(answer),
             Purpose::Lease(request) => self.capabilities.modify.answered(&mut self.cx, request, answer),
             Purpose::Insert(request) => self.capabilities.inserts.answered(&mut self.cx, request, answer),
@@ -76,6 +98,9 @@ impl Core {
             Purpose::EmptyMission(request) => self.orders.empty_answered(&mut self.cx, request, answer),
             Purpose::SpeedRestored(request) => self.capabilities.station.speed_restored(&mut self.cx, request, answer),
             Purpose::Courtesy => {
+                if command.name == name("LOG") {
+                    self.session.log_answered(&mut self.cx, answer);
+                }
                 if command.name == name("RMB") && matches!(answer, Answer::Missing | Answer::Refused(_)) {
                     self.capabilities.modify.failed_after_its_end(&mut self.cx, answer);
                 }

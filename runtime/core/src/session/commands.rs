@@ -1,11 +1,12 @@
 //! Commands that have been sent and wait for their acknowledgement (SPI 4.4, 6.21).
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName};
 use backseat_units::{TimeOfDay, Timestamp};
 
-use crate::session::subscriptions::ACKNOWLEDGEMENTS;
+use crate::session::subscriptions::{ACKNOWLEDGEMENTS, is_always_needed};
 
 /// The first acknowledgement comes within this time: the vehicle sends it immediately (4.4).
 pub(crate) const FIRST_WITHIN: Duration = Duration::from_secs(1);
@@ -86,17 +87,43 @@ pub(crate) struct Command {
     pub(crate) pending: bool,
 }
 
+/// What an acknowledgement says about the command that it answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// The vehicle is working on the command, which goes on waiting.
+    NotSettled,
+    /// This is the final answer.
+    Settled {
+        /// The acknowledgement names the command: by its time, or a subscription by its message. One that does not is
+        /// taken for the answer to the oldest that it can belong to.
+        named: bool,
+    },
+    /// The vehicle has refused this command, or has not understood it or another one ([`is_sent_again`]). The command goes
+    /// on waiting as if there were no answer: its real answer may still come, and otherwise its deadline does.
+    NotUnderstood,
+    /// The vehicle has accepted an insert that it had refused before.
+    AfterRefusal,
+}
+
 /// The commands that wait for an answer, oldest first.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Commands {
     sent: Vec<Command>,
+    /// Commands that the vehicle may not have understood ([`Found::NotUnderstood`]). Only an acknowledgement that echoes
+    /// their time answers them.
+    not_understood: Vec<Command>,
+    /// Inserts that the vehicle has refused, until their deadline, at which this is forgotten.
+    refused: VecDeque<Command>,
     /// On this connection the vehicle has answered a command that was sent before the subscription to acknowledgements.
     answers_early: bool,
 }
 
 /// How many commands are remembered at once: no peer can make us remember without bound.
 const COMMANDS_MAX: usize = 256;
+/// How long and how many refused inserts are remembered, in case the vehicle accepts one after all.
+const REFUSED_FOR: Duration = Duration::from_secs(10);
+const REFUSED_MAX: usize = 64;
 
 /// The name in the acknowledgement of a subscription. A subscription has no time that its acknowledgement could echo.
 const LOG: &str = "LOG";
@@ -107,7 +134,7 @@ impl Commands {
     /// nothing depends gives up its place, or is sent without being remembered. The end of a mission always has room;
     /// there are two at most.
     pub(crate) fn push(&mut self, command: Command) -> bool {
-        if self.sent.len() >= COMMANDS_MAX {
+        if self.sent.len() + self.not_understood.len() >= COMMANDS_MAX {
             let idle = self.sent.iter().position(|sent| sent.purpose == Purpose::Courtesy);
             match (idle, command.purpose) {
                 (Some(idle), _) => {
@@ -140,89 +167,110 @@ impl Commands {
     }
 
     /// Finds the command that an acknowledgement answers, by name, echoed time and identifier. An acknowledgement that
-    /// names no command (`NAK`) answers the oldest command that is not pending. The second value is whether the command
-    /// is settled: a final answer removes it, any other leaves it waiting. [`Purpose::Subscription`] is an index into
-    /// `subscriptions`.
+    /// names no command (`NAK`) answers the oldest command that is not pending. A final answer removes the command, any
+    /// other leaves it waiting. [`Purpose::Subscription`] is an index into `subscriptions`.
     pub(crate) fn answer(
         &mut self,
         ack: &Acknowledgement,
         now: Timestamp,
         subscriptions: &[&str],
-    ) -> Option<(Command, bool)> {
-        let index = if ack.command == CommandName::NAK {
-            self.sent.iter().position(|command| !command.pending)?
+    ) -> Option<(Command, Found)> {
+        let (index, named) = if ack.command == CommandName::NAK {
+            (self.sent.iter().position(|command| !command.pending)?, false)
         } else if ack.command.as_str() == LOG {
             self.subscription(ack, subscriptions)?
         } else {
-            self.sent
-                .iter()
-                .position(|command| {
-                    command.name == ack.command
-                        && command
-                            .created
-                            .is_some_and(|created| ack.command_created.echoes(created))
-                        && (ack.behavior.is_none()
-                            || command.identifier.is_none()
-                            || ack.behavior == command.identifier)
-                })
-                .or_else(|| {
-                    // The refusal of a command that the vehicle could not read echoes no time: it answers the oldest
-                    // command of that name. No other acknowledgement may lack the echo, or a late one would confirm a
-                    // later command.
-                    let unread = ack.status == AckStatus::Invalid && ack.command_created.is_none();
-                    unread
-                        .then(|| self.sent.iter().position(|command| command.name == ack.command))
-                        .flatten()
-                })?
+            if let Some(index) = self.not_understood.iter().position(|command| echoes(ack, command)) {
+                let command = self.not_understood.remove(index);
+                self.sent.push(command);
+            }
+            match self.sent.iter().position(|command| echoes(ack, command)) {
+                Some(index) => (index, true),
+                None if matches!(ack.status, AckStatus::Succeeded | AckStatus::Pending) => {
+                    return Some((self.take_refused(ack, now)?, Found::AfterRefusal));
+                }
+                // The refusal of a command that the vehicle could not read echoes no time: it answers the oldest
+                // command of that name. No other acknowledgement may lack the echo, or a late one would confirm a
+                // later command.
+                None if ack.status == AckStatus::Invalid && ack.command_created.is_none() => {
+                    (self.sent.iter().position(|command| command.name == ack.command)?, false)
+                }
+                None => return None,
+            }
         };
         let command = &mut self.sent[index];
         self.answers_early |= command.purpose == Purpose::Early;
-        let settled = match ack.status {
-            AckStatus::Pending => false,
+        match ack.status {
+            AckStatus::Invalid | AckStatus::Failed if is_sent_again(command.purpose, ack, named) => {
+                let command = self.sent.remove(index);
+                self.not_understood.push(command);
+                return Some((command, Found::NotUnderstood));
+            }
+            AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => {
+                let command = self.sent.remove(index);
+                if named && matches!(command.purpose, Purpose::Insert(_)) {
+                    self.remember_refused(command, now);
+                }
+                return Some((command, Found::Settled { named }));
+            }
             // The first of the two acknowledgements of silent mode confirms the receipt. Its status need not be pending
             // (7.22).
-            AckStatus::Succeeded => command.pending || !matches!(command.purpose, Purpose::Silent(_)),
-            AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => true,
-        };
-        if settled {
-            Some((self.sent.remove(index), true))
-        } else {
-            if command.pending {
-                // A repeated pending acknowledgement gives the vehicle no more time.
-                return None;
+            AckStatus::Succeeded if command.pending || !matches!(command.purpose, Purpose::Silent(_)) => {
+                return Some((self.sent.remove(index), Found::Settled { named }));
             }
-            command.pending = true;
-            command.deadline = match command.purpose {
-                Purpose::Plan => now + PLAN_WITHIN,
-                Purpose::Silent(_) => now + SILENT_WITHIN,
-                Purpose::Early
-                | Purpose::Beat
-                | Purpose::Subscription(_)
-                | Purpose::Lease(_)
-                | Purpose::Insert(_)
-                | Purpose::Cancel { .. }
-                | Purpose::Request(_)
-                | Purpose::Topside(_)
-                | Purpose::Adjustment(_)
-                | Purpose::Packet(_)
-                | Purpose::DvlTrigger(_)
-                | Purpose::Station(_)
-                | Purpose::CancelAll(_)
-                | Purpose::Ending(_)
-                | Purpose::EmptyMission(_)
-                | Purpose::SpeedRestored(_)
-                | Purpose::Courtesy => now + SETTLED_WITHIN,
-            };
-            Some((*command, false))
+            AckStatus::Succeeded | AckStatus::Pending => {}
         }
+        if command.pending {
+            // A repeated pending acknowledgement gives the vehicle no more time.
+            return None;
+        }
+        command.pending = true;
+        command.deadline = match command.purpose {
+            Purpose::Plan => now + PLAN_WITHIN,
+            Purpose::Silent(_) => now + SILENT_WITHIN,
+            Purpose::Early
+            | Purpose::Beat
+            | Purpose::Subscription(_)
+            | Purpose::Lease(_)
+            | Purpose::Insert(_)
+            | Purpose::Cancel { .. }
+            | Purpose::Request(_)
+            | Purpose::Topside(_)
+            | Purpose::Adjustment(_)
+            | Purpose::Packet(_)
+            | Purpose::DvlTrigger(_)
+            | Purpose::Station(_)
+            | Purpose::CancelAll(_)
+            | Purpose::Ending(_)
+            | Purpose::EmptyMission(_)
+            | Purpose::SpeedRestored(_)
+            | Purpose::Courtesy => now + SETTLED_WITHIN,
+        };
+        Some((*command, Found::NotSettled))
     }
 
-    /// Finds the subscription that an acknowledgement answers: the one that its text names, otherwise the oldest.
+    fn remember_refused(&mut self, command: Command, now: Timestamp) {
+        self.refused.retain(|refused| refused.deadline > now);
+        if self.refused.len() >= REFUSED_MAX {
+            self.refused.pop_front();
+        }
+        let deadline = now + REFUSED_FOR;
+        self.refused.push_back(Command { deadline, ..command });
+    }
+
+    fn take_refused(&mut self, ack: &Acknowledgement, now: Timestamp) -> Option<Command> {
+        self.refused.retain(|refused| refused.deadline > now);
+        let index = self.refused.iter().position(|refused| echoes(ack, refused))?;
+        self.refused.remove(index)
+    }
+
+    /// Finds the subscription that an acknowledgement answers: the one that its text names, otherwise the oldest. The
+    /// second value is whether the text names it.
     ///
     /// Commands that were sent before the subscription to acknowledgements count only if the vehicle answers such
     /// commands. It answers in order, so it has then answered BPVER before any subscription. If they always counted,
     /// each answer would be taken for the answer to the previous subscription.
-    fn subscription(&mut self, ack: &Acknowledgement, subscriptions: &[&str]) -> Option<usize> {
+    fn subscription(&mut self, ack: &Acknowledgement, subscriptions: &[&str]) -> Option<(usize, bool)> {
         if !self.answers_early {
             self.sent.retain(|command| command.purpose != Purpose::Early);
         }
@@ -257,24 +305,37 @@ impl Commands {
             (Some(one), Some(other)) if one == other && named.all(|more| more == one) => Some(one),
             (Some(_), Some(_)) | (None, _) => None,
         };
-        self.sent.iter().position(|command| {
+        let index = self.sent.iter().position(|command| {
             command.name == ack.command && named.is_none_or(|named| subject(command) == Some(named))
-        })
+        });
+        Some((index?, named.is_some()))
     }
 
-    /// The purposes of the commands that wait for an answer, oldest first.
+    /// The purposes of the commands that wait for an answer.
     pub(crate) fn purposes(&self) -> impl Iterator<Item = Purpose> + '_ {
-        self.sent.iter().map(|sent| sent.purpose)
+        let all = self.sent.iter().chain(&self.not_understood);
+        all.map(|command| command.purpose)
+    }
+
+    /// Whether a BPLOG waits for its answer.
+    pub(crate) fn awaits_log(&self) -> bool {
+        let mut all = self.sent.iter().chain(&self.not_understood);
+        all.any(|command| command.name.as_str() == LOG)
     }
 
     /// Removes and returns a command whose answer is late.
     pub(crate) fn late(&mut self, now: Timestamp) -> Option<Command> {
-        let index = self.sent.iter().position(|command| command.deadline <= now)?;
+        let late = |command: &Command| command.deadline <= now;
+        if let Some(index) = self.not_understood.iter().position(late) {
+            return Some(self.not_understood.remove(index));
+        }
+        let index = self.sent.iter().position(late)?;
         Some(self.sent.remove(index))
     }
 
     pub(crate) fn next_deadline(&self) -> Option<Timestamp> {
-        self.sent.iter().map(|command| command.deadline).min()
+        let all = self.sent.iter().chain(&self.not_understood);
+        all.map(|command| command.deadline).min()
     }
 
     /// The lease is over: nothing depends on the answers to its refreshes any more.
@@ -307,7 +368,47 @@ impl Commands {
     /// The link is gone: no answer will come.
     pub(crate) fn clear(&mut self) {
         self.sent.clear();
+        self.not_understood.clear();
+        self.refused.clear();
         self.answers_early = false;
+    }
+}
+
+/// Whether an acknowledgement echoes a command's name, time and identifier. A command or an acknowledgement may lack the
+/// identifier.
+fn echoes(ack: &Acknowledgement, command: &Command) -> bool {
+    command.name == ack.command
+        && command
+            .created
+            .is_some_and(|created| ack.command_created.echoes(created))
+        && (ack.behavior.is_none() || command.identifier.is_none() || ack.behavior == command.identifier)
+}
+
+/// Whether a refusal is no answer to a command that core sends again, or cancels, if it is not answered. It is none if it
+/// does not name the command: it may have been meant for another one, and this one may be flown; or the line was damaged
+/// on its way.
+fn is_sent_again(purpose: Purpose, ack: &Acknowledgement, named: bool) -> bool {
+    match purpose {
+        // Core goes on asking for the messages that it needs. Another one may not exist on this vehicle, so a refusal
+        // ends its subscription.
+        Purpose::Subscription(index) => ack.command == CommandName::NAK || is_always_needed(index),
+        Purpose::Insert(_) | Purpose::Cancel { cancel: None, .. } | Purpose::Ending(_) => !named,
+        Purpose::Early
+        | Purpose::Beat
+        | Purpose::Plan
+        | Purpose::Lease(_)
+        | Purpose::Cancel { cancel: Some(_), .. }
+        | Purpose::Request(_)
+        | Purpose::Topside(_)
+        | Purpose::Silent(_)
+        | Purpose::Adjustment(_)
+        | Purpose::Packet(_)
+        | Purpose::DvlTrigger(_)
+        | Purpose::Station(_)
+        | Purpose::SpeedRestored(_)
+        | Purpose::CancelAll(_)
+        | Purpose::EmptyMission(_)
+        | Purpose::Courtesy => false,
     }
 }
 

@@ -11,6 +11,11 @@ pub(crate) const ACKNOWLEDGEMENTS: &str = "ACK";
 /// hand-over. The acknowledgements come next, and BFCTL comes once more, so that its subscription is acknowledged too.
 const ALWAYS: [&str; 8] = ["CTL", ACKNOWLEDGEMENTS, "MIS", "CTL", "NVG", "NVR", "MBS", "MBE"];
 
+/// Whether core itself needs the message of this place in the list.
+pub(crate) const fn is_always_needed(index: usize) -> bool {
+    index < ALWAYS.len()
+}
+
 /// The messages that a topic needs. Command messages come without a subscription (SPI 4.3).
 const fn of_topic(topic: Topic) -> &'static [&'static str] {
     match topic {
@@ -62,6 +67,9 @@ pub(crate) struct Subscriptions {
     subjects: Vec<&'static str>,
     /// Which of them the vehicle has acknowledged on this connection, or whose message it has sent.
     confirmed: Vec<bool>,
+    /// Which of them are confirmed only by an acknowledgement that did not name its message: by its place in the order of
+    /// the answers. If an answer is missing, each later one may have been taken for that of the subscription before it.
+    by_place: Vec<bool>,
     /// How often each has been sent on this connection without an answer.
     unanswered: Vec<u32>,
     /// How many are not confirmed.
@@ -86,6 +94,7 @@ impl Subscriptions {
         }
         Self {
             confirmed: vec![false; subjects.len()],
+            by_place: vec![false; subjects.len()],
             unanswered: vec![0; subjects.len()],
             unconfirmed: subjects.len(),
             acknowledged: false,
@@ -126,6 +135,7 @@ impl Subscriptions {
     /// No subscription is confirmed any more.
     pub(crate) fn doubt_all(&mut self) {
         self.confirmed.fill(false);
+        self.by_place.fill(false);
         self.unanswered.fill(0);
         self.unconfirmed = self.subjects.len();
     }
@@ -135,10 +145,35 @@ impl Subscriptions {
     pub(crate) fn doubt(&mut self, message: &str) -> Option<usize> {
         let index = self.subjects.iter().position(|known| *known == message)?;
         self.unanswered[index] = 0;
+        self.unconfirm(index);
+        Some(index)
+    }
+
+    /// An answer to a subscription is missing: doubts each that is confirmed only by the order of the answers. Returns
+    /// their places in the list. How often each was sent still counts, so a vehicle that never answers one of them is
+    /// asked at growing intervals.
+    pub(crate) fn doubt_by_place(&mut self) -> Vec<usize> {
+        let doubtful: Vec<usize> = (0..self.len()).filter(|index| self.by_place[*index]).collect();
+        for index in &doubtful {
+            self.unconfirm(*index);
+        }
+        doubtful
+    }
+
+    /// Each BPLOG has had its answer and none was missing, so each answer was taken for that of the right one.
+    pub(crate) fn trust_places(&mut self) {
+        for index in 0..self.len() {
+            if core::mem::take(&mut self.by_place[index]) {
+                self.unanswered[index] = 0;
+            }
+        }
+    }
+
+    fn unconfirm(&mut self, index: usize) {
+        self.by_place[index] = false;
         if core::mem::take(&mut self.confirmed[index]) {
             self.unconfirmed += 1;
         }
-        Some(index)
     }
 
     /// A subscription is about to be sent. Returns its message, and how often it was sent before without an answer;
@@ -156,7 +191,7 @@ impl Subscriptions {
 
     /// A message such as `BFNVG` has come: this confirms its subscription, with or without an acknowledgement.
     pub(crate) fn confirm_by_data(&mut self, message: &str) {
-        if self.unconfirmed == 0 {
+        if self.unconfirmed == 0 && !self.by_place.contains(&true) {
             return;
         }
         for index in 0..self.subjects.len() {
@@ -166,8 +201,20 @@ impl Subscriptions {
         }
     }
 
+    /// The vehicle surely has this subscription.
     pub(crate) fn confirm(&mut self, index: usize) {
         self.unanswered[index] = 0;
+        self.by_place[index] = false;
+        self.set_confirmed(index);
+    }
+
+    /// An acknowledgement that names no message has come where that of this subscription is due.
+    pub(crate) fn confirm_by_place(&mut self, index: usize) {
+        self.by_place[index] = !self.confirmed[index] || self.by_place[index];
+        self.set_confirmed(index);
+    }
+
+    fn set_confirmed(&mut self, index: usize) {
         if !self.confirmed[index] {
             self.confirmed[index] = true;
             self.unconfirmed -= 1;

@@ -11,6 +11,7 @@ mod arbiter;
 mod clock;
 mod control;
 mod course;
+mod damaged_answers;
 mod day;
 mod devices;
 mod dive;

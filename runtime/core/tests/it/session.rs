@@ -1,13 +1,13 @@
 use std::time::Duration;
 
-use backseat_core::plugin::{FaultKind, Request};
-use backseat_core::{Core, Input, Note, Output, Settings, StatusCondition};
+use backseat_core::plugin::{FaultKind, Request, TopsideRequest, Transport};
+use backseat_core::{Core, Grant, Input, Note, Output, Settings, StatusCondition};
 use backseat_spi::{AckStatus, ToVehicle};
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::course::{self, good_line, modify};
 use crate::scene::{accepted, begins};
-use crate::trial::{Seen, Setup, Trial, shorts};
+use crate::trial::{Seen, Setup, Trial, granted, shorts};
 use crate::vehicle::Reply;
 
 fn subscriptions(trial: &Trial, since: Timestamp) -> Vec<String> {
@@ -277,8 +277,8 @@ fn a_subscription_can_be_acknowledged_by_its_short_or_its_long_name() {
 }
 
 #[test]
-fn a_refused_subscription_is_identified_and_not_sent_again() {
-    for unasked in [false, true] {
+fn a_refused_subscription_is_identified_and_sent_again_only_if_core_needs_it() {
+    for (unasked, refused) in [(false, "CTD"), (true, "CTD"), (false, "MIS"), (true, "MIS")] {
         let mut trial = Trial::new();
         trial.vehicle.navigates = false;
         trial.vehicle.replays = false;
@@ -288,11 +288,21 @@ fn a_refused_subscription_is_identified_and_not_sent_again() {
         let sent = subscriptions(&trial, Timestamp::ZERO);
         let answered = if unasked { &sent[..] } else { &sent[1..] };
         for message in answered {
-            log_ack(&mut trial, "LOG", if message == "MIS" { 1 } else { 2 }, "as it is");
+            log_ack(&mut trial, "LOG", if message == refused { 1 } else { 2 }, "as it is");
         }
         trial.run_for(4.0);
-        assert_eq!(refused_subscriptions(&trial), ["BFMIS"], "unasked: {unasked}");
-        assert_eq!(subscriptions(&trial, Timestamp::ZERO).len(), sent.len());
+        assert_eq!(
+            refused_subscriptions(&trial),
+            [format!("BF{refused}")],
+            "unasked: {unasked}"
+        );
+        let again = &subscriptions(&trial, Timestamp::ZERO)[sent.len()..];
+        assert_eq!(
+            again.iter().any(|message| message == refused),
+            refused == "MIS",
+            "{again:?}"
+        );
+        assert!(refused == "MIS" || again.is_empty(), "{again:?}");
     }
 }
 
@@ -422,9 +432,16 @@ fn sr_009_a_late_answer_changes_nothing_and_confirms_no_later_command() {
 
 #[test]
 fn an_answer_without_a_name_belongs_to_the_oldest_command() {
-    let mut trial = Trial::under_way();
-    trial.vehicle.replies.insert("RTK", Reply::Silent);
-    trial.ask(0, [good_line(1), good_line(2)]);
+    let mut trial = Trial::with_under_way(granted(&[Grant::Topside], &[]));
+    trial.vehicle.replies.insert("TOP", Reply::Silent);
+    let topside = |tag| {
+        Request::Topside(TopsideRequest {
+            tag,
+            slowest: Transport::AcousticModem,
+            text: "here".to_owned(),
+        })
+    };
+    trial.ask(0, [topside(1), topside(2)]);
     trial.run_for(0.3);
     let now = trial.now;
     let nak = ("NAK", TimeOfDay::MIDNIGHT, None, AckStatus::Invalid);

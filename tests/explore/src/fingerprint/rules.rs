@@ -71,7 +71,7 @@ rules! {
     Keeping: T::Request => [request] "which request, whatever its number";
     Lease: T::Request => [request] "which request, whatever its number";
     Ledger: T::Leave => [last orders counts] "request numbers and counts";
-    Ledger: T::Request => [open doubtful recalled] "which requests, whatever their numbers";
+    Ledger: T::Request => [open doubtful refused recalled] "which requests, whatever their numbers";
     Mark: T::Tenth => [heading_off_deg] "which way the UTM grid lies changes as the vehicle moves";
     Mark: T::SecondsAgo => [at_s] "a time";
     Integrity: T::Leave => [limits slope_max] "the mission's";

@@ -127,7 +127,7 @@ impl Inserts {
         }
     }
 
-    fn recall_as(&mut self, cx: &mut Context, insert: u64, identifier: BehaviorId) {
+    pub(super) fn recall_as(&mut self, cx: &mut Context, insert: u64, identifier: BehaviorId) {
         if cx.ledger.is_recalled(insert) {
             return;
         }

@@ -221,3 +221,33 @@ impl Subscriptions {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Otherwise core would ask a vehicle that leaves out some answers again and again at short intervals.
+    #[test]
+    fn what_is_confirmed_only_by_the_order_of_answers_is_asked_for_at_growing_intervals() {
+        let mut subscriptions = Subscriptions::new(&[], false);
+        let control = 3;
+        subscriptions.asked(1);
+        for before in 0..4 {
+            assert_eq!(subscriptions.asked(control), ("CTL", Some(before)));
+            subscriptions.confirm_by_place(control);
+            assert!(subscriptions.has("CTL"));
+            assert_eq!(subscriptions.doubt_by_place(), [control]);
+            assert!(!subscriptions.has("CTL") && subscriptions.doubt_by_place().is_empty());
+        }
+        // Once all answers have come, or the message has, it is sure.
+        for sure in [Subscriptions::trust_places, |all: &mut Subscriptions| {
+            all.confirm_by_data("BFCTL")
+        }] {
+            subscriptions.confirm_by_place(control);
+            sure(&mut subscriptions);
+            assert!(subscriptions.has("CTL") && subscriptions.doubt_by_place().is_empty());
+            assert_eq!(subscriptions.asked(control), ("CTL", Some(0)));
+            subscriptions.doubt_all();
+        }
+    }
+}

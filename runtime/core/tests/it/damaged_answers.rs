@@ -239,7 +239,33 @@ fn sr_015_a_hold_takes_back_an_insert_accepted_after_its_refusal() {
     }
 }
 
-/// The vehicle had accepted it, and the mission is over: nothing is in doubt.
+/// Core asked for the plan before the vehicle accepted the insert, so it shows nothing that the plan lacks it.
+#[test]
+fn sr_019_a_plan_from_before_the_acceptance_does_not_settle_an_insert_accepted_after_its_refusal() {
+    let mut trial = Trial::with_under_way(one_at_a_time());
+    trial.vehicle.replies.insert("RTK", Reply::Refuse);
+    trial.vehicle.replies.insert("RCN", Reply::Silent);
+    let slow = Reply::Pending(Duration::from_millis(1500), AckStatus::Succeeded);
+    trial.vehicle.replies.insert("RMP", slow);
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(7.5);
+    let asked = trial.sent("RMP").len();
+    // Another payload's insert, which core does not know.
+    begins(&mut trial, None, Some(77));
+    assert_eq!(trial.sent("RMP").len(), asked + 1);
+    let created = trial.commands("RTK")[0].1.created().unwrap();
+    let now = trial.now;
+    trial
+        .vehicle
+        .acknowledge(now, ("RTK", created, Some(1), AckStatus::Succeeded));
+    trial.run_for(2.0);
+    begins(&mut trial, Some(1), None);
+    trial.vehicle.replies.remove("RTK");
+    trial.ask(0, [good_line(2)]);
+    trial.run_for(0.5);
+    assert_eq!(trial.commands("RTK").len(), 1, "{:?}", trial.states(2));
+}
+
 #[test]
 fn an_insert_of_a_mission_that_is_over_is_not_remembered_as_refused() {
     let mut trial = Trial::under_way();

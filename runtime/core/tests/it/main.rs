@@ -3,7 +3,6 @@
 //! The name of a test of a safety requirement has the requirement's number.
 #![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 #![expect(clippy::wildcard_enum_match_arm, reason = "a test looks for one thing among many")]
-
 mod acoustic;
 mod adjustments;
 mod admission;
@@ -31,6 +30,7 @@ mod ledger;
 mod loss;
 mod operator;
 mod orders;
+mod others;
 mod outcomes;
 mod plugins;
 mod previous_run;
@@ -50,6 +50,7 @@ mod taken_up;
 mod topside;
 mod trial;
 mod unheard;
+mod unreadable;
 mod vehicle;
 mod ways;
 mod windows;

@@ -1,4 +1,4 @@
-//! The ways that the vehicle may take after begins and ends that were not heard, or that belong to inserts of others.
+//! The ways that the vehicle may take after begins and ends that were not heard.
 
 use backseat_core::plugin::Request;
 use backseat_units::EastNorth;
@@ -9,7 +9,7 @@ use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
 /// What became of a request.
-fn fate(trial: &mut Trial, request: Request, tag: u64) -> String {
+pub(crate) fn fate(trial: &mut Trial, request: Request, tag: u64) -> String {
     trial.ask(0, [request]);
     trial.run_for(0.5);
     let states = trial.states(tag);
@@ -20,7 +20,7 @@ fn fate(trial: &mut Trial, request: Request, tag: u64) -> String {
 }
 
 #[track_caller]
-fn refused(what: &str, fate: &str) {
+pub(crate) fn refused(what: &str, fate: &str) {
     assert!(
         !fate.contains("Accepted") && !fate.contains("Sent") && !fate.contains("Ended"),
         "{what}: it was sent: {fate}"
@@ -28,7 +28,7 @@ fn refused(what: &str, fate: &str) {
 }
 
 #[track_caller]
-fn wreck(what: &str, fate: &str) {
+pub(crate) fn wreck(what: &str, fate: &str) {
     assert!(fate.contains("wreck"), "{what}: {fate}");
 }
 
@@ -48,7 +48,7 @@ fn damage(name: &'static str) -> impl FnMut(Vec<u8>) -> Vec<u8> {
 }
 
 /// The vehicle is here now, with this heading, and navigation has 12 s to become steady.
-fn put(trial: &mut Trial, heading_deg: f64, east_m: f64, north_m: f64) {
+pub(crate) fn put(trial: &mut Trial, heading_deg: f64, east_m: f64, north_m: f64) {
     trial.vehicle.heading_deg = heading_deg;
     let then_s = trial.now.as_nanos() as f64 / 1e9 + 12.0;
     trial.vehicle.start = EastNorth::new(east_m, north_m).offset(heading_deg + 180.0, trial.vehicle.speed_mps * then_s);
@@ -222,93 +222,6 @@ fn sr_002_a_vehicle_that_may_fly_a_circle_is_not_seen_on_the_plan() {
     refused("seen", &flown(false));
 }
 
-/// Another payload's insert has interrupted ours, and a new one comes after it.
-#[test]
-fn sr_002_the_way_from_another_payloads_insert_that_interrupts_ours_is_checked() {
-    let flown = |ours: bool| {
-        let mut trial = Trial::under_way();
-        if ours {
-            accepted(
-                &mut trial,
-                Request::Trackline(line(1, (300.0, 500.0), (600.0, 500.0))),
-                1,
-            );
-            ends(&mut trial, Some(1), None);
-            begins(&mut trial, None, Some(1));
-        }
-        trial.vehicle.others = vec![(40, (0.0, -1500.0))];
-        begins(&mut trial, None, Some(40));
-        trial.run_for(3.0);
-        let after = line(2, (0.0, -500.0), (300.0, -500.0));
-        fate(&mut trial, Request::Trackline(after), 2)
-    };
-    wreck("without ours", &flown(false));
-    wreck("with ours", &flown(true));
-}
-
-/// Another payload's insert comes after ours that waits, and a new one comes after both.
-#[test]
-fn sr_002_the_way_from_another_payloads_insert_beside_ours_is_checked() {
-    let flown = |ours: bool| {
-        let mut trial = Trial::under_way();
-        if ours {
-            accepted(
-                &mut trial,
-                Request::Trackline(line(1, (900.0, -600.0), (900.0, -300.0))),
-                1,
-            );
-        }
-        trial.vehicle.others = vec![(40, (0.0, -1500.0))];
-        outage(&mut trial);
-        begins(&mut trial, Some(1), None);
-        trial.run_for(3.0);
-        let after = line(2, (0.0, -500.0), (300.0, -500.0));
-        fate(&mut trial, Request::Trackline(after), 2)
-    };
-    wreck("without ours", &flown(false));
-    wreck("with ours", &flown(true));
-}
-
-/// Another payload's insert that the plan does not name ends anywhere.
-#[test]
-fn sr_002_no_insert_follows_another_payloads_that_the_plan_does_not_name() {
-    let flown = |named: bool| {
-        let mut trial = Trial::under_way();
-        if named {
-            trial.vehicle.others = vec![(40, (0.0, -1500.0))];
-        }
-        begins(&mut trial, None, Some(40));
-        trial.run_for(5.0);
-        let after = line(2, (0.0, -500.0), (300.0, -500.0));
-        fate(&mut trial, Request::Trackline(after), 2)
-    };
-    wreck("named", &flown(true));
-    refused("unnamed", &flown(false));
-}
-
-/// A refused insert is flown after all. A new one comes after it.
-#[test]
-fn sr_002_no_insert_follows_a_refused_one_that_is_flown() {
-    let flown = |reply| {
-        let mut trial = Trial::under_way();
-        trial.vehicle.replies.insert("RTK", reply);
-        trial.ask(0, [Request::Trackline(line(1, (900.0, -1500.0), (600.0, -1500.0)))]);
-        trial.run_for(0.5);
-        trial.vehicle.replies.remove("RTK");
-        trial.vehicle.inserted.insert(1);
-        ends(&mut trial, Some(1), None);
-        begins(&mut trial, None, Some(1));
-        trial.run_for(3.0);
-        fate(
-            &mut trial,
-            Request::Trackline(line(2, (-600.0, -600.0), (-700.0, -600.0))),
-            2,
-        )
-    };
-    wreck("accepted", &flown(Reply::Ok));
-    refused("refused", &flown(Reply::Refuse));
-}
-
 /// As `sr_002_the_transit_to_the_first_leg_counts_even_if_it_runs_along_another_leg`, but one sentence is damaged.
 #[test]
 fn sr_002_the_transit_counts_even_if_core_only_sees_a_later_leg_that_it_runs_along() {
@@ -346,57 +259,6 @@ fn sr_002_the_transit_counts_even_if_core_only_sees_a_later_leg_that_it_runs_alo
     };
     wreck("heard", &led_off(false));
     refused("lost", &led_off(true));
-}
-
-/// BFMBE of our insert, and then another payload's insert begins: ours may be interrupted.
-#[test]
-fn sr_002_an_insert_that_ends_before_another_payloads_begins_may_be_taken_up_again() {
-    let flown = |said: bool| {
-        let mut trial = Trial::under_way();
-        accepted(
-            &mut trial,
-            Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))),
-            1,
-        );
-        ends(&mut trial, Some(1), None);
-        begins(&mut trial, None, Some(1));
-        if said {
-            ends(&mut trial, None, Some(1));
-        }
-        trial.vehicle.others = vec![(40, (-600.0, -300.0))];
-        begins(&mut trial, None, Some(40));
-        trial.run_for(5.0);
-        fate(
-            &mut trial,
-            Request::Trackline(line(4, (-600.0, -600.0), (-700.0, -1000.0))),
-            4,
-        )
-    };
-    wreck("no BFMBE", &flown(false));
-    wreck("BFMBE", &flown(true));
-}
-
-/// An insert that interrupts; another payload's waiting one is flown after it, and then the leg is taken up again.
-#[test]
-fn sr_002_the_way_back_from_another_payloads_waiting_insert_to_the_interrupted_leg_is_checked() {
-    let flown = |ours: bool| {
-        let mut trial = Trial::new();
-        if !ours {
-            trial.vehicle.others = vec![(40, (300.0, -1500.0))];
-        }
-        trial.vehicle.start = EastNorth::new(500.0, 0.0);
-        trial.run_for(2.0);
-        if ours {
-            accepted(
-                &mut trial,
-                Request::Trackline(line(3, (1000.0, -1500.0), (300.0, -1500.0))),
-                3,
-            );
-        }
-        fate(&mut trial, at_once(line(1, (900.0, -900.0), (900.0, -1500.0))), 1)
-    };
-    wreck("ours", &flown(true));
-    wreck("another payload's", &flown(false));
 }
 
 /// After a restart a leg is taken up again; the link is lost, and the vehicle repeats the BFMBS.
@@ -614,90 +476,6 @@ fn sr_002_another_payloads_insert_of_the_plan_may_have_interrupted_during_an_out
     put(&mut trial, 90.0, 600.0, 200.0);
     begins(&mut trial, Some(1), None);
     refused("taken up", &led_to_the_south_of_the_wreck(trial));
-}
-
-/// An insert that timed out is flown, and another payload's interrupts it.
-#[test]
-fn sr_002_an_unanswered_insert_that_is_interrupted_may_be_taken_up_again() {
-    let flown = |answered: bool| {
-        let mut trial = Trial::under_way();
-        if !answered {
-            trial.vehicle.replies.insert("RTK", Reply::Silent);
-            trial.vehicle.replies.insert("RCN", Reply::Silent);
-        }
-        trial.ask(0, [Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0)))]);
-        trial.run_for(5.0);
-        trial.vehicle.replies.remove("RTK");
-        ends(&mut trial, Some(1), None);
-        begins(&mut trial, None, Some(1));
-        trial.vehicle.others = vec![(40, (-600.0, -300.0))];
-        begins(&mut trial, None, Some(40));
-        trial.run_for(5.0);
-        fate(
-            &mut trial,
-            Request::Trackline(line(4, (-600.0, -600.0), (-700.0, -1000.0))),
-            4,
-        )
-    };
-    wreck("answered", &flown(true));
-    wreck("unanswered", &flown(false));
-}
-
-/// An insert in doubt that the plan does not name has begun during an outage, and another payload's interrupts it.
-#[test]
-fn sr_002_an_insert_in_doubt_that_is_interrupted_may_be_taken_up_again() {
-    let mut trial = Trial::under_way();
-    trial.vehicle.replies.insert("RTK", Reply::Silent);
-    trial.ask(0, [Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0)))]);
-    trial.run_for(0.2);
-    trial.vehicle.replies.remove("RTK");
-    trial.vehicle.replays = false;
-    trial.cut();
-    trial.run_for(1.0);
-    let now = trial.now;
-    trial.vehicle.set_status(now, "Running");
-    trial.vehicle.set_control(now, true);
-    begins(&mut trial, None, Some(40));
-    trial.run_for(8.0);
-    refused(
-        "in doubt",
-        &fate(
-            &mut trial,
-            Request::Trackline(line(4, (-600.0, -600.0), (-700.0, -1000.0))),
-            4,
-        ),
-    );
-}
-
-/// As above, but a modify while our next insert is flown.
-#[test]
-fn sr_002_a_modify_after_an_insert_that_another_payloads_may_have_interrupted() {
-    let flown = |said: bool| {
-        let mut trial = Trial::under_way();
-        accepted(
-            &mut trial,
-            Request::Trackline(line(1, (900.0, -1500.0), (900.0, -300.0))),
-            1,
-        );
-        ends(&mut trial, Some(1), None);
-        begins(&mut trial, None, Some(1));
-        accepted(
-            &mut trial,
-            Request::Trackline(line(2, (700.0, -500.0), (-700.0, -500.0))),
-            2,
-        );
-        if said {
-            ends(&mut trial, None, Some(1));
-        }
-        begins(&mut trial, None, Some(40));
-        ends(&mut trial, None, Some(40));
-        begins(&mut trial, None, Some(2));
-        put(&mut trial, 270.0, -700.0, -1000.0);
-        fate(&mut trial, turn(9, 270.0), 9)
-    };
-    // Here the second insert is called back when 40 begins.
-    refused("no BFMBE", &flown(false));
-    refused("BFMBE", &flown(true));
 }
 
 /// The modify of before the link loss still steers along a leg while core looks on which line the vehicle is.

@@ -12,7 +12,7 @@ use crate::flight::{
 #[test]
 fn sr_007_a_runtime_killed_in_a_lease_leaves_a_modify_that_lapses_within_five_seconds() {
     for seed in 1..=5 {
-        let mut flight = Flight::new(seed);
+        let mut flight = Flight::in_legs(seed);
         let killed = 60.0 + 0.21 * seed as f64;
         flight.until(killed);
         assert!(is_modified(&flight.sim) && flight.sim.is_steering());
@@ -172,7 +172,7 @@ fn a_connection_that_ends_during_a_stop_is_noticed_afterwards() {
 
 #[test]
 fn a_stopped_runtime_can_be_killed() {
-    let mut flight = Flight::new(1);
+    let mut flight = Flight::in_legs(1);
     flight.until(60.0).sim.stop_for(seconds(1000));
     flight.until(61.0).sim.kill(seconds(1), crew(), 0);
     flight.until_it(|sim| sim.is_steering());
@@ -181,7 +181,7 @@ fn a_stopped_runtime_can_be_killed() {
 
 #[test]
 fn sr_015_a_hold_survives_the_process_and_reaches_a_stopped_one() {
-    let mut flight = Flight::new(1);
+    let mut flight = Flight::in_legs(1);
     flight.until(60.0).sim.operate(Operator::Hold);
     assert!(!flight.sim.is_steering());
     flight.sim.kill(seconds(3), crew(), 0);
@@ -210,7 +210,7 @@ fn sr_015_a_hold_survives_the_process_and_reaches_a_stopped_one() {
 
 #[test]
 fn a_signal_lost_with_a_killed_process_is_no_violation_of_the_next_one() {
-    let mut flight = Flight::new(1);
+    let mut flight = Flight::in_legs(1);
     flight.until(60.0).sim.stop_for(seconds(1000));
     flight.sim.operate(Operator::Hold);
     flight.until(61.0).sim.kill(seconds(1), crew(), 0);
@@ -238,7 +238,7 @@ fn sr_009_on_a_full_disk_no_insert_is_sent_until_there_is_room_and_the_lease_goe
 
 #[test]
 fn substitutes_end_with_the_process() {
-    let mut flight = Flight::new(1);
+    let mut flight = Flight::in_legs(1);
     flight.until(60.0).sim.substitute(PILOT, Some(understudy("error")));
     flight.until(70.0);
     assert!(!flight.sim.is_steering());

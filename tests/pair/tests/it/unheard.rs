@@ -123,7 +123,7 @@ fn sr_002_who_keeps_to_no_line_of_the_plan_is_not_steered() {
     lost(&mut dive, true);
     assert_eq!(steers_after_s(&mut dive), None);
     assert!(
-        rejection(&dive, 899).contains("followed one line"),
+        rejection(&dive, 899).contains("followed a line"),
         "{}",
         rejection(&dive, 899)
     );

@@ -132,9 +132,9 @@ impl Identifiers {
         self.sent.insert(identifier);
     }
 
-    /// What to reserve, if few identifiers are left, or fewer inserts than may be open at once. GPS hits are reserved
-    /// only if a plugin may ask for them, because the next process must assume that they were sent.
-    pub(crate) fn reserve(&mut self, now: Timestamp, ahead: u32, surfaces: bool) -> Option<Reservation> {
+    /// What to reserve, if few identifiers are left, or fewer inserts or GPS hits than these, which may be open at once.
+    /// Both are 0 if no plugin may ask for them, because the next process must assume that they were sent.
+    pub(crate) fn reserve(&mut self, now: Timestamp, [inserts, gps_hits]: [u32; 2]) -> Option<Reservation> {
         let reserved = self.reserved?;
         // A driver that cannot write does not answer. Core asks it again, because the disk may have room again.
         let waits = self.asked.is_some_and(|asked| now.since(asked) < ASK_AGAIN);
@@ -142,8 +142,8 @@ impl Identifiers {
             return None;
         }
         let low = reserved.reserved.saturating_sub(reserved.next) < RESERVE_LOW;
-        let inserts = self.inserts_sent.saturating_add(ahead);
-        let gps_hits = self.gps_hits_sent.saturating_add(if surfaces { ahead } else { 0 });
+        let inserts = self.inserts_sent.saturating_add(inserts);
+        let gps_hits = self.gps_hits_sent.saturating_add(gps_hits);
         if !low && inserts <= reserved.inserts && gps_hits <= reserved.gps_hits {
             return None;
         }

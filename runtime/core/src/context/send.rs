@@ -78,8 +78,9 @@ impl Context {
     /// inserts than may be open at once.
     pub(crate) fn reserve(&mut self) {
         let ahead = self.monitor.limits().inserts_open_max.max(1);
-        let surfaces = self.plugins.any_has(Grant::Surface);
-        if let Some(reservation) = self.identifiers.reserve(self.now, ahead, surfaces) {
+        let may = |grant| if self.plugins.any_has(grant) { ahead } else { 0 };
+        let ahead = [may(Grant::Insert), may(Grant::Surface)];
+        if let Some(reservation) = self.identifiers.reserve(self.now, ahead) {
             self.outbox.push(Output::Reserve(reservation));
         }
     }

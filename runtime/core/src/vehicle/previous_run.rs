@@ -21,6 +21,8 @@ const PATHS: [&str; 2] = ["trackline", "trackcircle"];
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct PreviousRun {
     identifiers: Range<u32>,
+    /// Previous runs may have sent inserts. A run that only modified has used identifiers for nothing, or for packets.
+    inserted: bool,
     /// A behavior has begun on this connection, and no message was lost since, so it is known what is flown.
     heard: bool,
     /// An insert of this process that the vehicle flies although its request has ended, for example because the vehicle
@@ -43,6 +45,7 @@ impl PreviousRun {
     pub(crate) fn new(identifiers: Option<Identifiers>) -> Self {
         Self {
             identifiers: identifiers.map_or(0..0, |identifiers| identifiers.first..identifiers.next),
+            inserted: identifiers.is_some_and(|identifiers| identifiers.inserts > 0 || identifiers.gps_hits > 0),
             gps_hits: identifiers.is_some_and(|identifiers| identifiers.gps_hits > 0),
             ..Self::default()
         }
@@ -110,7 +113,7 @@ impl PreviousRun {
     /// `current` is the insert that the newest BFMBS named.
     pub(crate) fn may_fly(&self, current: Option<BehaviorId>, plan: &Plan) -> bool {
         self.is_still_flown_after_end()
-            || !self.is_none()
+            || self.inserted
                 && (!self.heard
                     || current.is_some_and(|current| self.includes(current))
                     || plan.others(|identifier| !self.includes(identifier)).next().is_some())

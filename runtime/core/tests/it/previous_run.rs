@@ -1,7 +1,8 @@
+use backseat_core::plugin::Request;
 use backseat_core::{Grant, Identifiers, Input, Limits, Operator, Start};
 use backseat_spi::{BehaviorBegin, BehaviorId, FromVehicle, Text, ToVehicle};
 
-use crate::course::{good_line, interrupting, turn};
+use crate::course::{good_line, interrupting, modify, turn};
 use crate::trial::{Seen, Setup, Trial, granted, short, shorts};
 use crate::vehicle::Reply;
 
@@ -309,4 +310,44 @@ fn sr_015_during_a_hold_an_insert_of_a_killed_process_is_taken_back_as_soon_as_t
     }
     // Insert 40 is another payload's. The plan is not complete yet.
     assert_eq!(cancelled(&trial), [7]);
+}
+
+/// A previous run has used identifiers for packets alone, so no insert of it can be flown: the line that the vehicle follows
+/// shows what it flies.
+#[test]
+fn sr_002_after_a_run_that_sent_no_insert_the_line_shows_what_is_flown() {
+    let seen = |inserts| {
+        let mut trial = Trial::with(Setup::default().after(inserts, 0));
+        trial.vehicle.replays = false;
+        trial.run_for(1.0);
+        let now = trial.now;
+        trial.vehicle.set_status(now, "Running");
+        trial.vehicle.set_control(now, true);
+        trial.run_for(20.0);
+        trial.ask(0, [Request::Modify(modify(1))]);
+        trial.run_for(0.5);
+        trial.core.is_steering()
+    };
+    assert!(seen(0));
+    assert!(!seen(1));
+}
+
+/// What a process reserves, the next one must take for sent.
+#[test]
+fn sr_002_inserts_are_reserved_only_if_a_plugin_may_ask_for_them() {
+    let reserved = |grants: &[Grant]| {
+        let mut setup = Setup::default();
+        for plugin in &mut setup.plugins {
+            plugin.grants = grants.to_vec();
+        }
+        let trial = Trial::with_under_way(setup);
+        let of = |seen: &Seen| match seen {
+            Seen::Reserve(reservation) => Some((reservation.inserts, reservation.gps_hits)),
+            _ => None,
+        };
+        trial.seen.iter().filter_map(|(_, seen)| of(seen)).max()
+    };
+    assert_eq!(reserved(&[Grant::Modify, Grant::Acoustic]), Some((0, 0)));
+    assert_eq!(reserved(&[Grant::Insert]), Some((4, 0)));
+    assert_eq!(reserved(&[Grant::Insert, Grant::Surface]), Some((4, 4)));
 }

@@ -56,6 +56,13 @@ impl Control {
         counts
     }
 
+    /// The messages with which the vehicle has yet to say whether we have control.
+    pub(crate) fn unsaid(&self, hook: &ControlHook) -> impl Iterator<Item = &'static str> + use<> {
+        let granted = (*hook == ControlHook::Bfctl && self.handed_over.is_none()).then_some("BFCTL");
+        let runs = self.running.is_none().then_some("BFMIS");
+        granted.into_iter().chain(runs)
+    }
+
     /// A message of the vehicle that is damaged or cannot be read may have taken control away (safety requirement 001).
     /// Returns whether this one may have.
     pub(crate) fn doubt(&mut self, hook: &ControlHook, message: &str) -> bool {

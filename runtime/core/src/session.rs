@@ -77,6 +77,9 @@ pub(crate) struct Session {
     plan_asks: LastMinute,
     /// When we subscribed to a message about control anew.
     control_asks: LastMinute,
+    /// Something was lost that may have been a message about control, or such a message could not be used, and we have
+    /// not subscribed to it anew since.
+    control_ask_due: bool,
     /// We have reported that the vehicle does not answer in time, and it has not done so since.
     unheard_told: bool,
     /// The offset of the vehicle's clock that we last reported on this connection, and when.
@@ -118,6 +121,7 @@ impl Session {
             malformed: 0,
             plan_asks: LastMinute::default(),
             control_asks: LastMinute::default(),
+            control_ask_due: false,
             unheard_told: false,
             clock_told: None,
             control_notes: ControlNotes {
@@ -135,6 +139,7 @@ impl Session {
         self.framer.clear();
         self.lost = self.framer.counts().lost();
         self.framer.take_watched();
+        self.control_ask_due = false;
         self.silences = 0;
         self.malformed = 0;
         self.unheard_told = false;
@@ -288,6 +293,11 @@ impl Session {
     /// Sends this second's BPSTS (SPI 7.2), and a BPLOG as the beat if the vehicle does not answer BPSTS.
     pub(crate) fn beat(&mut self, cx: &mut Context) {
         self.catch_up_on_control(cx);
+        if core::mem::take(&mut self.control_ask_due) {
+            for message in cx.control.unsaid(&cx.settings.control) {
+                self.ask_about_control(cx, message);
+            }
+        }
         self.tell_what_was_counted(cx);
         if cx.link.heartbeat.needs_log(cx.now) {
             self.subscribe_acknowledgements(cx, Purpose::Beat);
@@ -378,12 +388,19 @@ impl Session {
         }
     }
 
+    /// Something was lost. If the vehicle has not said who has control, or whether its mission runs, it may have done so
+    /// in that: the next beat asks for it.
+    pub(crate) const fn lost(&mut self) {
+        self.control_ask_due = true;
+    }
+
     /// Core does not know what a message about control says: ends the subscription to it and subscribes again, so many
     /// times a minute. A vehicle that tells the present state to a new subscriber takes us for one then. Until it has
     /// told it, there is no control, so nothing is missed meanwhile.
     pub(crate) fn ask_about_control(&mut self, cx: &mut Context, message: &str) {
         let subject = message.strip_prefix("BF").unwrap_or(message);
         if !self.control_asks.has_room(cx.now, CONTROL_ASKS_PER_MIN) {
+            self.control_ask_due = true;
             return;
         }
         let Some(index) = cx.link.subscriptions.doubt(subject) else {

@@ -66,6 +66,7 @@ impl Core {
 
     /// A message was lost. If a modify is steering, it goes on only if it would be allowed now.
     fn invalidate_after_loss(&mut self) {
+        self.session.lost();
         course::lost(&mut self.cx);
         self.cx.vehicle.invalidate_after_loss();
         self.capabilities.modify.prevent(&mut self.cx);

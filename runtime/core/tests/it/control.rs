@@ -380,6 +380,25 @@ fn sr_001_a_damaged_mission_command_takes_control_away_if_it_can() {
     assert!(trial.core.has_control());
 }
 
+/// The vehicle tells each state once, to a new subscriber. Here the line is damaged from its first byte, so nobody can see
+/// what it was.
+#[test]
+fn sr_001_what_was_lost_before_the_vehicle_has_said_who_has_control_is_asked_for() {
+    for name in ["BFCTL", "BFMIS"] {
+        let mut trial = Trial::under_way();
+        trial.cut();
+        trial.way = Some(Box::new(move |bytes| {
+            let text = String::from_utf8(bytes).unwrap();
+            text.replace(&format!("${name}"), "#BFXXX").into_bytes()
+        }));
+        trial.run_for(2.0);
+        assert!(trial.is_connected() && !trial.core.has_control(), "{name}");
+        trial.way = None;
+        trial.run_for(70.0);
+        assert!(trial.core.has_control(), "{name}: {:#?}", trial.notes().last());
+    }
+}
+
 /// Whatever comes of it, core does not fill the link.
 #[test]
 fn sr_001_damaged_messages_about_control_cause_few_subscriptions() {

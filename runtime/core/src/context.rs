@@ -87,7 +87,6 @@ impl Context {
             now: self.now,
             stamper: &self.stamper,
             vehicle: &self.vehicle,
-            link: &self.link,
             monitor: &self.monitor,
             arbiter: &self.arbiter,
             identifiers: &self.identifiers,

@@ -4,7 +4,7 @@ use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::settings::ControlHook;
 
-/// For how long a BFCTL can be older than one that came before it. After that, a time of day that seems older is that of
+/// For how long a message about control can be older than one that came before it. After that, a time of day that seems older is that of
 /// another day, or the vehicle's clock was set.
 const OLDER_WITHIN: Duration = Duration::from_secs(60);
 
@@ -16,7 +16,7 @@ pub(crate) struct Control {
     pub(crate) armed: bool,
     /// Whether the backseat has control, by the last word of the configured hook.
     pub(crate) handed_over: Option<bool>,
-    /// The newest BFCTL of this connection that took control away: when the vehicle made it, and when it came.
+    /// The newest message of this connection that took control away: when the vehicle made it, and when it came.
     pub(crate) revoked: Option<(TimeOfDay, Timestamp)>,
     /// BFMIS begins with `Running`.
     pub(crate) running: Option<bool>,
@@ -41,8 +41,9 @@ impl Control {
         self.running = None;
     }
 
-    /// A BFCTL. One that gives control does not count if the vehicle made it before the newest one that took control
-    /// away, because that one then tells the later state. Returns whether this one counts.
+    /// A BFCTL, or a BFMSC with one of the texts for it. One that gives control does not count if the vehicle made it before the newest one that took control
+    /// away: either it is late, or the vehicle's clock was set. Nobody can tell which, so it is unknown who has control.
+    /// Returns whether this one counts.
     pub(crate) fn hand_over(&mut self, now: Timestamp, created: TimeOfDay, granted: bool) -> bool {
         let newest = self.revoked.filter(|(_, heard)| now.since(*heard) < OLDER_WITHIN);
         let is_older = newest.is_some_and(|(revoked, _)| created.nanos_since(revoked) < 0);
@@ -50,17 +51,14 @@ impl Control {
             self.revoked = Some((created, now));
         }
         let counts = !(granted && is_older);
-        if counts {
-            self.handed_over = Some(granted);
-        }
+        self.handed_over = counts.then_some(granted);
         counts
     }
 
-    /// The messages with which the vehicle has yet to say whether we have control.
-    pub(crate) fn unsaid(&self, hook: &ControlHook) -> impl Iterator<Item = &'static str> + use<> {
-        let granted = (*hook == ControlHook::Bfctl && self.handed_over.is_none()).then_some("BFCTL");
-        let runs = self.running.is_none().then_some("BFMIS");
-        granted.into_iter().chain(runs)
+    /// Whether the vehicle has told on this connection what it tells each new subscriber: who has control, and whether its
+    /// mission runs.
+    pub(crate) fn is_told(&self, hook: &ControlHook) -> bool {
+        (*hook != ControlHook::Bfctl || self.handed_over.is_some()) && self.running.is_some()
     }
 
     /// A message of the vehicle that is damaged or cannot be read may have taken control away (safety requirement 001).

@@ -108,8 +108,9 @@ pub(crate) struct Entry {
     /// The vehicle's plan does not name this insert, and core asked for that plan after the vehicle must have decided
     /// on the insert: so the insert does not wait.
     pub(crate) not_queued: bool,
-    /// The vehicle may have dropped this insert: it has flown another dive since, or has refused to cancel it.
-    pub(crate) may_be_gone: bool,
+    /// The vehicle may have dropped this insert: it has flown another dive since, its plan lacks the insert, or a cancel was
+    /// sent. A plan that was asked for at this time or later, and names the insert, shows that it has not.
+    pub(crate) may_be_gone: Option<Timestamp>,
     /// As what the request counts.
     standing: Standing,
 }
@@ -183,7 +184,7 @@ impl Ledger {
             interrupted: false,
             sent_at: Timestamp::ZERO,
             not_queued: false,
-            may_be_gone: false,
+            may_be_gone: None,
             standing: Standing::Waiting,
         };
         self.open.insert(self.last, entry);
@@ -356,12 +357,26 @@ impl Ledger {
         }
     }
 
+    /// A cancel of this insert is sent, or of all inserts. The vehicle may drop them, whatever becomes of its answer.
+    pub(crate) fn cancel_sent(&mut self, now: Timestamp, insert: Option<u64>) {
+        for (request, entry) in &mut self.open {
+            if entry.is_open_insert() && insert.is_none_or(|insert| insert == *request) {
+                entry.may_be_gone = Some(now + SETTLED_WITHIN);
+            }
+        }
+    }
+
     /// The vehicle has sent its plan, for which core asked at `asked_at`. Open inserts that the plan names are there.
     /// An insert that timed out, that it does not name, and that the vehicle must have decided on before `asked_at`,
     /// does not wait.
     pub(crate) fn heard_plan(&mut self, asked_at: Timestamp, has: impl Fn(BehaviorId) -> bool) {
         for entry in self.open.values_mut() {
-            entry.may_be_gone &= !entry.identifier.is_some_and(&has);
+            let decided = asked_at >= entry.sent_at + SETTLED_WITHIN;
+            if entry.identifier.is_some_and(&has) {
+                entry.may_be_gone = entry.may_be_gone.filter(|since| asked_at < *since);
+            } else if entry.is_open_insert() && decided {
+                entry.may_be_gone = entry.may_be_gone.max(Some(asked_at));
+            }
         }
         for entry in self.doubtful.values_mut() {
             let named = entry.identifier.is_none_or(&has);

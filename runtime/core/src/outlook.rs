@@ -18,8 +18,6 @@ use crate::ledger::{Entry, Ledger};
 use crate::monitor::Monitor;
 use crate::monitor::envelope::{Clocks, Insert};
 use crate::plugin::{PluginId, RequestState};
-use crate::session::commands::Purpose;
-use crate::session::link::Link;
 use crate::stamp::Stamper;
 use crate::vehicle::Vehicle;
 use crate::vehicle::plan::Element;
@@ -30,7 +28,6 @@ pub(crate) struct Outlook<'a> {
     pub(crate) now: Timestamp,
     pub(crate) stamper: &'a Stamper,
     pub(crate) vehicle: &'a Vehicle,
-    pub(crate) link: &'a Link,
     pub(crate) monitor: &'a Monitor,
     pub(crate) arbiter: &'a Arbiter,
     pub(crate) identifiers: &'a Identifiers,
@@ -70,16 +67,10 @@ impl<'a> Outlook<'a> {
     }
 
     /// Whether the vehicle will surely fly a waiting insert: it has accepted the insert, nothing suggests that it has
-    /// dropped it since, and we are not cancelling it.
+    /// dropped it since, and we have not tried to cancel it.
     pub(crate) fn is_surely_flown(&self, request: u64) -> bool {
-        let waits = |entry: &Entry| entry.state == RequestState::Accepted && !entry.may_be_gone;
-        self.ledger.get(request).is_some_and(waits)
-            && !self.ledger.is_recalled(request)
-            && !self
-                .link
-                .commands
-                .purposes()
-                .any(|purpose| matches!(purpose, Purpose::Cancel { insert, .. } if insert == request))
+        let waits = |entry: &Entry| entry.state == RequestState::Accepted && entry.may_be_gone.is_none();
+        self.ledger.get(request).is_some_and(waits) && !self.ledger.is_recalled(request)
     }
 
     /// Our UTC, and how far the vehicle's differs from it.

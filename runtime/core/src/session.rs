@@ -37,8 +37,12 @@ const PLAN_RETRY: Duration = Duration::from_secs(5);
 /// not come. After that, a message makes us ask when [`PLAN_ASKED_ANEW`] has passed.
 const PLAN_ASKS_PER_MIN: u32 = 6;
 const PLAN_ASKED_ANEW: Duration = Duration::from_secs(10);
-/// How many times a minute we subscribe anew to a message about control, because one could not be used.
-const CONTROL_ASKS_PER_MIN: u32 = 6;
+/// After something was lost that may have said who has control, we wait for this long for the vehicle to say it, and then
+/// reset the connection. The next reset for that comes no sooner than after the second of these, doubled each time, at most
+/// so many times.
+const CONTROL_SAID_WITHIN: Duration = Duration::from_secs(3);
+const CONTROL_RESET_EVERY: Duration = Duration::from_secs(30);
+const CONTROL_RESET_DOUBLINGS: u32 = 4;
 /// How often we report the changes of control that were too many to report one by one.
 const CATCH_UP_EVERY: Duration = Duration::from_secs(10);
 /// The messages that can take control away. A damaged one may have done so.
@@ -75,11 +79,10 @@ pub(crate) struct Session {
     malformed: u64,
     /// When we asked for the vehicle's plan.
     plan_asks: LastMinute,
-    /// When we subscribed to a message about control anew.
-    control_asks: LastMinute,
-    /// Something was lost that may have been a message about control, or such a message could not be used, and we have
-    /// not subscribed to it anew since.
-    control_ask_due: bool,
+    /// Since when something is lost that may have been a message about control, or such a message could not be used.
+    control_lost: Option<Timestamp>,
+    /// When we last reset the connection for that, and how often since the vehicle last said what we need.
+    control_reset: Option<(Timestamp, u32)>,
     /// We have reported that the vehicle does not answer in time, and it has not done so since.
     unheard_told: bool,
     /// The offset of the vehicle's clock that we last reported on this connection, and when.
@@ -120,8 +123,8 @@ impl Session {
             silences: 0,
             malformed: 0,
             plan_asks: LastMinute::default(),
-            control_asks: LastMinute::default(),
-            control_ask_due: false,
+            control_lost: None,
+            control_reset: None,
             unheard_told: false,
             clock_told: None,
             control_notes: ControlNotes {
@@ -139,7 +142,7 @@ impl Session {
         self.framer.clear();
         self.lost = self.framer.counts().lost();
         self.framer.take_watched();
-        self.control_ask_due = false;
+        self.control_lost = None;
         self.silences = 0;
         self.malformed = 0;
         self.unheard_told = false;
@@ -293,11 +296,7 @@ impl Session {
     /// Sends this second's BPSTS (SPI 7.2), and a BPLOG as the beat if the vehicle does not answer BPSTS.
     pub(crate) fn beat(&mut self, cx: &mut Context) {
         self.catch_up_on_control(cx);
-        if core::mem::take(&mut self.control_ask_due) {
-            for message in cx.control.unsaid(&cx.settings.control) {
-                self.ask_about_control(cx, message);
-            }
-        }
+        self.ask_about_control(cx);
         self.tell_what_was_counted(cx);
         if cx.link.heartbeat.needs_log(cx.now) {
             self.subscribe_acknowledgements(cx, Purpose::Beat);
@@ -388,36 +387,38 @@ impl Session {
         }
     }
 
-    /// Something was lost. If the vehicle has not said who has control, or whether its mission runs, it may have done so
-    /// in that: the next beat asks for it.
-    pub(crate) const fn lost(&mut self) {
-        self.control_ask_due = true;
+    /// Something was lost, or cannot be used. If the vehicle has yet to say who has control or whether its mission runs, it
+    /// may have done so in that.
+    pub(crate) fn lost(&mut self, now: Timestamp) {
+        self.control_lost.get_or_insert(now);
     }
 
-    /// Core does not know what a message about control says: ends the subscription to it and subscribes again, so many
-    /// times a minute. A vehicle that tells the present state to a new subscriber takes us for one then. Until it has
-    /// told it, there is no control, so nothing is missed meanwhile.
-    pub(crate) fn ask_about_control(&mut self, cx: &mut Context, message: &str) {
-        let subject = message.strip_prefix("BF").unwrap_or(message);
-        if !self.control_asks.has_room(cx.now, CONTROL_ASKS_PER_MIN) {
-            self.control_ask_due = true;
+    /// Vehicles tell their state when it changes, and to a new subscriber. So if a message about control is lost, core
+    /// resets the connection, and subscribes on a new one. Until the vehicle has told its state there, core has no control.
+    fn ask_about_control(&mut self, cx: &mut Context) {
+        if cx.control.is_told(&cx.settings.control) {
+            (self.control_lost, self.control_reset) = (None, None);
             return;
         }
-        let Some(index) = cx.link.subscriptions.doubt(subject) else {
-            // A command message comes without a subscription.
-            return;
-        };
-        self.control_asks.add(cx.now);
-        let end = ToVehicle::LoggingControl(LoggingControl {
-            message: Text::cleaned(subject),
-            on: false,
+        let Some(lost) = self.control_lost else { return };
+        let (again_at, resets) = self.control_reset.map_or((lost, 0), |(at, resets)| {
+            (
+                at + CONTROL_RESET_EVERY * (1 << resets.min(CONTROL_RESET_DOUBLINGS)),
+                resets + 1,
+            )
         });
-        let command = cx.courtesy("LOG", None);
-        cx.transmit(&end, Some(command));
-        self.subscribe(cx, index);
+        if cx.now < again_at.max(lost + CONTROL_SAID_WITHIN) {
+            return;
+        }
+        self.control_reset = Some((cx.now, resets));
+        let text = "a message about control may be lost: the connection is reset";
+        cx.note(Note::Text { text: text.to_owned() });
+        cx.outbox.push(Output::ResetLink);
     }
 
     fn subscribe(&mut self, cx: &mut Context, index: usize) {
+        // The answer to an earlier one may still come, but only the newest is sent again if there is none.
+        cx.link.commands.supersede(Purpose::Subscription(index));
         let (subject, unanswered) = cx.link.subscriptions.asked(index);
         let message = ToVehicle::LoggingControl(LoggingControl {
             message: Text::cleaned(subject),

@@ -236,7 +236,7 @@ impl Front {
         let mut letters = [0; 3];
         letters.copy_from_slice(command.as_bytes());
         if command == "LOG" {
-            self.subscribes(now, line.field(0), line.field(1) != "OFF");
+            self.subscribes(now, line.field(0));
         }
         let identifier = match command {
             "RTK" | "RTC" | "RGP" | "RCN" => line.number(1),
@@ -280,10 +280,8 @@ impl Front {
         }
     }
 
-    fn subscribes(&mut self, now: Timestamp, subject: &str, on: bool) {
-        if !on {
-            self.subscribed.remove(subject);
-        } else if self.subscribed.insert(subject.to_owned()) {
+    fn subscribes(&mut self, now: Timestamp, subject: &str) {
+        if self.subscribed.insert(subject.to_owned()) {
             match subject {
                 "CTL" => self.tell(now, "CTL", Saying::Control),
                 "MIS" => self.tell(now, "MIS", Saying::Status),

@@ -337,7 +337,7 @@ impl Inserts {
             Answer::Refused(text) => {
                 // The insert has begun, or does not wait.
                 if let Some(entry) = cx.ledger.get_mut(insert) {
-                    entry.may_be_gone = true;
+                    entry.may_be_gone = entry.may_be_gone.max(Some(cx.now));
                 }
                 if let Some(cancel) = cancel {
                     cx.transition(cancel, RequestState::Failed(Failure::Vehicle(text.to_owned())));
@@ -350,7 +350,7 @@ impl Inserts {
     pub(crate) fn another_dive(&mut self, cx: &mut Context) {
         let mut accepted = Vec::new();
         for (request, entry) in cx.ledger.iter_mut().filter(|(_, entry)| entry.is_open_insert()) {
-            entry.may_be_gone = true;
+            entry.may_be_gone = entry.may_be_gone.max(Some(cx.now));
             if entry.state == RequestState::Accepted {
                 accepted.push(request);
             }

@@ -105,6 +105,11 @@ impl Context {
                 });
                 return false;
             }
+            match command.purpose {
+                Purpose::Cancel { insert, .. } => self.ledger.cancel_sent(self.now, Some(insert)),
+                Purpose::CancelAll(_) => self.ledger.cancel_sent(self.now, None),
+                _ => {}
+            }
             let early = command.purpose == Purpose::Early;
             self.link.heartbeat.left(self.now, command.name, command.created, early);
         }

@@ -66,19 +66,18 @@ impl Core {
 
     /// A message was lost. If a modify is steering, it goes on only if it would be allowed now.
     fn invalidate_after_loss(&mut self) {
-        self.session.lost();
+        self.session.lost(self.cx.now);
         course::lost(&mut self.cx);
         self.cx.vehicle.invalidate_after_loss();
         self.capabilities.modify.prevent(&mut self.cx);
     }
 
     /// A message of this name was damaged or cannot be read. If it may have taken control away, core has none until the
-    /// vehicle says so again, and subscribes to the message anew: vehicles send it when control changes, and to a new
-    /// subscriber.
+    /// vehicle says so again.
     fn doubt_control(&mut self, message: &str) {
         if self.cx.control.doubt(&self.cx.settings.control, message) {
             self.settle_control();
-            self.session.ask_about_control(&mut self.cx, message);
+            self.session.lost(self.cx.now);
         }
     }
 
@@ -118,7 +117,7 @@ impl Core {
                     // If the vehicle takes control and gives it back within one read, it was still lost.
                     self.settle_control();
                     if !counts {
-                        self.session.ask_about_control(&mut self.cx, "BFCTL");
+                        self.session.lost(self.cx.now);
                     }
                 }
             }
@@ -256,10 +255,13 @@ impl Core {
         let text = message.text.as_str();
         self.operator_by_text(text);
         if let ControlHook::MissionCommand { grant, revoke } = &self.cx.settings.control {
-            if text == grant {
-                self.cx.control.handed_over = Some(true);
-            } else if text.trim() == revoke.trim() {
-                self.cx.control.handed_over = Some(false);
+            let given = if text == grant {
+                Some(true)
+            } else {
+                (text.trim() == revoke.trim()).then_some(false)
+            };
+            if let Some(given) = given {
+                self.cx.control.hand_over(self.cx.now, message.created, given);
             }
             self.settle_control();
         }

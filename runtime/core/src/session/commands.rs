@@ -311,16 +311,19 @@ impl Commands {
         Some((index?, named.is_some()))
     }
 
-    /// The purposes of the commands that wait for an answer.
-    pub(crate) fn purposes(&self) -> impl Iterator<Item = Purpose> + '_ {
-        let all = self.sent.iter().chain(&self.not_understood);
-        all.map(|command| command.purpose)
-    }
-
     /// Whether a BPLOG waits for its answer.
     pub(crate) fn awaits_log(&self) -> bool {
         let mut all = self.sent.iter().chain(&self.not_understood);
         all.any(|command| command.name.as_str() == LOG)
+    }
+
+    /// A command of this purpose is sent anew: nothing depends on the answers to the earlier ones any more.
+    pub(crate) fn supersede(&mut self, purpose: Purpose) {
+        for command in self.sent.iter_mut().chain(&mut self.not_understood) {
+            if command.purpose == purpose {
+                command.purpose = Purpose::Courtesy;
+            }
+        }
     }
 
     /// Removes and returns a command whose answer is late.

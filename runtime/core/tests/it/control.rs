@@ -6,6 +6,7 @@ use backseat_spi::{MissionCommand, Text};
 use backseat_units::{Timestamp, Utc};
 
 use crate::course::{good_line, modify};
+use crate::scene::hands_over;
 use crate::trial::{Seen, Setup, Trial};
 
 /// Lets the vehicle say something, and waits until it has arrived.
@@ -338,14 +339,14 @@ fn sr_001_a_text_that_takes_control_away_may_have_blanks_around_it() {
     }
 }
 
-/// A message about control whose checksum is wrong may have been the revocation. Core asks for it, and has control again
-/// when the vehicle has told it.
+/// A message about control whose checksum is wrong may have been the revocation. Core ends the lease, resets the
+/// connection, and has control again when the vehicle has told its state to the new subscriber.
 #[test]
 fn sr_001_a_damaged_message_about_control_takes_it_away_until_the_vehicle_says_it_again() {
-    for (line, subject) in [
-        ("$BFCTL,081025.987,0*00\r\n", "CTL"),
-        ("$BFCTL,081025.987,0\r\n", "CTL"),
-        ("$BFMIS,081025.987,survey.dive,Stop", "MIS"),
+    for line in [
+        "$BFCTL,081025.987,0*00\r\n",
+        "$BFCTL,081025.987,0\r\n",
+        "$BFMIS,081025.987,survey.dive,Stop",
     ] {
         let mut trial = Trial::steering();
         let at = trial.now;
@@ -354,19 +355,32 @@ fn sr_001_a_damaged_message_about_control_takes_it_away_until_the_vehicle_says_i
         hear_line(&mut trial, "BFXYZ,1");
         assert!(!trial.core.has_control() && !trial.core.is_steering(), "{line}");
         assert_eq!(trial.sent_since("EMB", at).len(), 1, "{line}");
-        trial.run_for(0.5);
-        assert!(trial.core.has_control(), "{line}: {:#?}", trial.notes());
-        let asked = |(at, command)| match command {
-            backseat_spi::ToVehicle::LoggingControl(logging) => Some((at, logging.message.to_string(), logging.on)),
-            _ => None,
-        };
-        let asked: Vec<_> = trial.commands("LOG").into_iter().filter_map(asked).collect();
-        let again = asked.into_iter().filter(|(when, ..)| *when >= at);
-        assert!(
-            again.eq([(at, subject.to_owned(), false), (at, subject.to_owned(), true)]),
-            "{line}"
+        trial.run_for(2.9);
+        assert_eq!((resets(&trial), trial.core.has_control()), (0, false), "{line}");
+        trial.run_for(4.0);
+        assert_eq!(
+            (resets(&trial), trial.core.has_control()),
+            (1, true),
+            "{line}: {:#?}",
+            trial.notes()
         );
     }
+}
+
+fn resets(trial: &Trial) -> usize {
+    trial.seen.iter().filter(|(_, seen)| *seen == Seen::Reset).count()
+}
+
+/// The vehicle says it by itself before core resets the connection.
+#[test]
+fn sr_001_what_the_vehicle_says_again_needs_no_new_connection() {
+    let mut trial = Trial::under_way();
+    hear_line(&mut trial, "BFCTL,,0");
+    trial.run_for(1.0);
+    let now = trial.now;
+    trial.vehicle.set_control(now, true);
+    trial.run_for(60.0);
+    assert_eq!((resets(&trial), trial.core.has_control()), (0, true));
 }
 
 #[test]
@@ -389,7 +403,7 @@ fn sr_001_what_was_lost_before_the_vehicle_has_said_who_has_control_is_asked_for
         trial.cut();
         trial.way = Some(Box::new(move |bytes| {
             let text = String::from_utf8(bytes).unwrap();
-            text.replace(&format!("${name}"), "#BFXXX").into_bytes()
+            text.replace(&format!("${name}"), name).into_bytes()
         }));
         trial.run_for(2.0);
         assert!(trial.is_connected() && !trial.core.has_control(), "{name}");
@@ -399,21 +413,65 @@ fn sr_001_what_was_lost_before_the_vehicle_has_said_who_has_control_is_asked_for
     }
 }
 
-/// Whatever comes of it, core does not fill the link.
+/// The answer to the new subscription is lost too.
 #[test]
-fn sr_001_damaged_messages_about_control_cause_few_subscriptions() {
+fn sr_001_a_lost_answer_about_control_is_asked_for_again() {
     let mut trial = Trial::under_way();
-    let at = trial.now;
-    for _ in 0..600 {
-        trial.hear_bytes(b"$BFCTL,081025.987,1*00\r\n");
-        assert!(!trial.core.has_control());
-        trial.run_for(0.1);
+    trial.hear_bytes(DAMAGED);
+    let mut lost = 0;
+    trial.way = Some(Box::new(move |bytes| {
+        let text = String::from_utf8(bytes).unwrap();
+        let line = |line: &str| {
+            let damaged = line.starts_with("$BFCTL") && lost < 1;
+            lost += u32::from(damaged);
+            if damaged {
+                line.replace("$BFCTL", "$BFCTK")
+            } else {
+                line.to_owned()
+            }
+        };
+        text.split_inclusive('\n').map(line).collect::<String>().into_bytes()
+    }));
+    trial.run_for(60.0);
+    assert_eq!((resets(&trial), trial.core.has_control()), (2, true));
+}
+
+/// Whatever comes of it: ten damaged lines a second for an hour.
+#[test]
+fn sr_001_damaged_messages_about_control_cause_few_new_connections() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replays = false;
+    let mut hours = [0; 2];
+    for resets_then in &mut hours {
+        for _ in 0..3600 {
+            trial.hear_bytes(DAMAGED);
+            assert!(!trial.core.has_control());
+            trial.run_for(1.0);
+        }
+        *resets_then = resets(&trial);
     }
-    assert!(
-        trial.sent_since("LOG", at).len() <= 16,
-        "{}",
-        trial.sent_since("LOG", at).len()
-    );
+    assert!(hours[0] <= 12 && hours[1] - hours[0] <= 8, "{hours:?}");
+    hands_over(&mut trial);
+    trial.run_for(1.0);
+    assert!(trial.core.has_control());
+}
+
+const DAMAGED: &[u8] = b"$BFCTL,081025.987,0*00\r\n";
+
+/// A GPS fix sets the vehicle's clock back between a revocation and the next grant, which then seems the older one.
+#[test]
+fn sr_001_control_comes_back_although_the_vehicles_clock_was_set_back() {
+    for step in [0, -2_000_000_000] {
+        let mut trial = Trial::under_way();
+        let now = trial.now;
+        trial.vehicle.set_control(now, false);
+        trial.run_for(0.5);
+        trial.vehicle.clock_nanos += step;
+        let now = trial.now;
+        trial.vehicle.set_control(now, true);
+        trial.run_for(20.0);
+        assert!(trial.core.has_control(), "{step} {:?}", trial.core.uncontrolled());
+    }
 }
 
 /// The vehicle made the grant before the revocation, and it comes after it.
@@ -438,14 +496,31 @@ fn sr_001_an_older_grant_does_not_overrule_a_newer_revocation() {
         let revoked = control(&trial, false);
         trial.hear_now([revoked.into()]);
         trial.run_for(0.5);
-        let asked = trial.sent("LOG").len();
         trial.hear_now([older.into()]);
         assert!(!trial.core.has_control(), "{utc:?}");
-        trial.run_for(1.0);
-        assert!(!trial.core.has_control(), "{utc:?}");
-        assert_eq!(trial.sent("LOG").len(), asked + 2, "{utc:?}: core asks the vehicle");
+        trial.run_for(10.0);
+        assert_eq!((resets(&trial), trial.core.has_control()), (1, false), "{utc:?}");
         let newer = control(&trial, true);
         trial.hear_now([newer.into()]);
         assert!(trial.core.has_control(), "{utc:?}");
     }
+}
+
+#[test]
+fn sr_001_an_older_mission_command_does_not_overrule_a_newer_one_that_takes_control_away() {
+    let mut trial = steering_by_mission_command();
+    let says = |trial: &Trial, text: &str| MissionCommand {
+        created: trial.vehicle.clock(trial.now),
+        text: Text::cleaned(text),
+    };
+    let older = says(&trial, "backseat go");
+    trial.run_for(1.0);
+    let stop = says(&trial, "backseat stop");
+    trial.hear_now([stop.into()]);
+    trial.run_for(0.5);
+    trial.hear_now([older.into()]);
+    assert!(!trial.core.has_control());
+    let newer = says(&trial, "backseat go");
+    trial.hear_now([newer.into()]);
+    assert!(trial.core.has_control());
 }

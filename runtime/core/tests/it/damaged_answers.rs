@@ -360,3 +360,24 @@ fn sr_015_two_inserts_of_one_instant_are_told_apart_by_echoes_with_two_decimals(
     trial.run_for(5.0);
     assert_eq!(cancelled(&trial), [2]);
 }
+
+/// The vehicle acknowledges no BPLOG, and sends no velocities. Core subscribes to them anew every ten seconds.
+#[test]
+fn sr_012_sr_015_subscriptions_that_are_not_acknowledged_leave_room_for_what_the_operator_orders() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("LOG", Reply::Silent);
+    trial.vehicle.bend = Some(Box::new(|_, _, _| false));
+    let a_minute = |trial: &mut Trial| {
+        let at = trial.now;
+        trial.run_for(60.0);
+        trial.sent_since("LOG", at).len()
+    };
+    let first = a_minute(&mut trial);
+    trial.run_for(3600.0);
+    let after_an_hour = a_minute(&mut trial);
+    assert!(after_an_hour <= first, "{first} and then {after_an_hour} a minute");
+    let text = "leak".to_owned();
+    trial.operator(Operator::Order(Order::Kill { text }));
+    trial.run_for(0.5);
+    assert_eq!(trial.commands("KIL").len(), 1, "{:?}", trial.notes().last());
+}

@@ -7,6 +7,7 @@ mod acoustic;
 mod adjustments;
 mod admission;
 mod arbiter;
+mod cancelled;
 mod clock;
 mod control;
 mod course;

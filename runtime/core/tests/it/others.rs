@@ -4,7 +4,7 @@ use backseat_core::plugin::Request;
 use backseat_units::EastNorth;
 
 use crate::course::{line, turn};
-use crate::scene::{accepted, at_once, begins, ends, outage};
+use crate::scene::{accepted, at_once, begins, ends, hands_over, outage};
 use crate::trial::Trial;
 use crate::vehicle::Reply;
 use crate::ways::{fate, put, refused, wreck};
@@ -185,9 +185,7 @@ fn sr_002_an_insert_in_doubt_that_is_interrupted_may_be_taken_up_again() {
     trial.vehicle.replays = false;
     trial.cut();
     trial.run_for(1.0);
-    let now = trial.now;
-    trial.vehicle.set_status(now, "Running");
-    trial.vehicle.set_control(now, true);
+    hands_over(&mut trial);
     begins(&mut trial, None, Some(40));
     trial.run_for(8.0);
     refused(

@@ -3,6 +3,7 @@ use backseat_core::{Grant, Identifiers, Input, Limits, Operator, Start};
 use backseat_spi::{BehaviorBegin, BehaviorId, FromVehicle, Text, ToVehicle};
 
 use crate::course::{good_line, interrupting, modify, turn};
+use crate::scene::hands_over;
 use crate::trial::{Seen, Setup, Trial, granted, short, shorts};
 use crate::vehicle::Reply;
 
@@ -320,9 +321,7 @@ fn sr_002_after_a_run_that_sent_no_insert_the_line_shows_what_is_flown() {
         let mut trial = Trial::with(Setup::default().after(inserts, 0));
         trial.vehicle.replays = false;
         trial.run_for(1.0);
-        let now = trial.now;
-        trial.vehicle.set_status(now, "Running");
-        trial.vehicle.set_control(now, true);
+        hands_over(&mut trial);
         trial.run_for(20.0);
         trial.ask(0, [Request::Modify(modify(1))]);
         trial.run_for(0.5);

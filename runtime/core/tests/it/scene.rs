@@ -27,6 +27,11 @@ pub(crate) fn ends(trial: &mut Trial, number: Option<u32>, identifier: Option<u3
 
 /// A vehicle that keeps silent on BPRMP tells its plan: one behavior with these places.
 pub(crate) fn tells_plan(trial: &mut Trial, places: &[(f64, f64)]) {
+    tells_plan_of(trial, &[(1, places)]);
+}
+
+/// The same with several behaviors, each with its number and its places.
+pub(crate) fn tells_plan_of(trial: &mut Trial, plan: &[(u32, &[(f64, f64)])]) {
     let Some((_, command)) = trial.commands("RMP").pop() else {
         panic!("no BPRMP")
     };
@@ -36,9 +41,11 @@ pub(crate) fn tells_plan(trial: &mut Trial, places: &[(f64, f64)]) {
         .vehicle
         .acknowledge(now, ("RMP", created, None, AckStatus::Pending));
     trial.run_for(0.3);
-    for (index, place) in places.iter().enumerate() {
-        let now = trial.now;
-        trial.vehicle.say_element(now, Some(1), None, index, *place);
+    for (number, places) in plan {
+        for (index, place) in places.iter().enumerate() {
+            let now = trial.now;
+            trial.vehicle.say_element(now, Some(*number), None, index, *place);
+        }
     }
     trial.run_for(0.2);
     let now = trial.now;
@@ -48,6 +55,13 @@ pub(crate) fn tells_plan(trial: &mut Trial, places: &[(f64, f64)]) {
     trial.run_for(0.5);
 }
 
+/// The vehicle says that its mission runs and that we have control.
+pub(crate) fn hands_over(trial: &mut Trial) {
+    let now = trial.now;
+    trial.vehicle.set_status(now, "Running");
+    trial.vehicle.set_control(now, true);
+}
+
 /// The link is lost and comes back. The vehicle does not say again what it flies, because it sends a BFMBS only as a
 /// behavior begins (SPI 6.9).
 pub(crate) fn outage(trial: &mut Trial) {
@@ -55,9 +69,7 @@ pub(crate) fn outage(trial: &mut Trial) {
     trial.cut();
     trial.run_for(3.0);
     assert!(trial.is_connected());
-    let now = trial.now;
-    trial.vehicle.set_status(now, "Running");
-    trial.vehicle.set_control(now, true);
+    hands_over(trial);
     trial.run_for(2.0);
     assert!(trial.core.has_control(), "{:#?}", trial.notes());
 }

@@ -8,7 +8,7 @@ use backseat_spi::{AckStatus, BehaviorBegin, BehaviorId, FromVehicle, Text};
 use backseat_units::EastNorth;
 
 use crate::course::{self, at, interrupting, line, modify, turn};
-use crate::scene::{EAST, WEST, accepted, at_once, begins, ends, led_to, outage, refused_for};
+use crate::scene::{EAST, WEST, accepted, at_once, begins, ends, hands_over, led_to, outage, refused_for};
 use crate::trial::{Setup, Trial, granted, shorts};
 use crate::vehicle::Reply;
 
@@ -216,7 +216,7 @@ fn sr_002_any_sentence_that_was_lost_may_have_been_a_begin() {
 }
 
 /// Noise on the line: each such sentence gets one character too many, so that its checksum is wrong.
-fn damage(name: &'static str, part: &'static str) -> impl FnMut(Vec<u8>) -> Vec<u8> {
+pub(crate) fn damage(name: &'static str, part: &'static str) -> impl FnMut(Vec<u8>) -> Vec<u8> {
     move |bytes| {
         let text = String::from_utf8(bytes).unwrap();
         let line = |line: &str| {
@@ -265,9 +265,7 @@ fn on_its_way(mut trial: Trial) -> Trial {
     trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
     trial.vehicle.start = EastNorth::new(500.0, -1200.0);
     trial.run_for(1.0);
-    let now = trial.now;
-    trial.vehicle.set_status(now, "Running");
-    trial.vehicle.set_control(now, true);
+    hands_over(&mut trial);
     trial.run_for(1.0);
     trial
 }

@@ -302,10 +302,7 @@ impl Vehicle {
                 }
                 return self.acknowledge(now, ("NAK", TimeOfDay::MIDNIGHT, None, AckStatus::Invalid));
             }
-            let new = logging.on && self.subscribed.insert(logging.message.as_str().to_owned());
-            if !logging.on {
-                self.subscribed.remove(logging.message.as_str());
-            }
+            let new = self.subscribed.insert(logging.message.as_str().to_owned());
             if new && self.replays {
                 match logging.message.as_str() {
                     "CTL" => self.set_control(now, self.control),

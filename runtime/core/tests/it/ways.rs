@@ -4,8 +4,9 @@ use backseat_core::plugin::Request;
 use backseat_units::EastNorth;
 
 use crate::course::{line, modify, turn};
-use crate::scene::{accepted, at_once, begins, ends, led_to, outage};
+use crate::scene::{accepted, at_once, begins, ends, hands_over, led_to, outage, tells_plan_of};
 use crate::trial::{Setup, Trial, shorts};
+use crate::unheard::damage;
 use crate::vehicle::Reply;
 
 /// What became of a request.
@@ -32,21 +33,6 @@ pub(crate) fn wreck(what: &str, fate: &str) {
     assert!(fate.contains("wreck"), "{what}: {fate}");
 }
 
-/// Each sentence of this name gets a wrong checksum.
-fn damage(name: &'static str) -> impl FnMut(Vec<u8>) -> Vec<u8> {
-    move |bytes| {
-        let text = String::from_utf8(bytes).unwrap();
-        let line = |line: &str| {
-            if line.contains(name) {
-                line.replacen('*', "1*", 1)
-            } else {
-                line.to_owned()
-            }
-        };
-        text.split_inclusive('\n').map(line).collect::<String>().into_bytes()
-    }
-}
-
 /// The vehicle is here now, with this heading, and navigation has 12 s to become steady.
 pub(crate) fn put(trial: &mut Trial, heading_deg: f64, east_m: f64, north_m: f64) {
     trial.vehicle.heading_deg = heading_deg;
@@ -68,7 +54,7 @@ fn sr_002_the_begin_of_another_leg_does_not_show_what_is_taken_up() {
         accepted(&mut trial, at_once(line(1, (700.0, -1500.0), (700.0, -900.0))), 1);
         ends(&mut trial, Some(1), None);
         if lose {
-            trial.way = Some(Box::new(damage("BFMBS")));
+            trial.way = Some(Box::new(damage("BFMBS", "")));
         }
         begins(&mut trial, Some(2), None);
         trial.way = None;
@@ -98,44 +84,16 @@ fn sr_002_the_begin_of_another_leg_does_not_show_what_is_taken_up_after_an_outag
     refused("outage", &fate(&mut trial, Request::Modify(modify(9)), 9));
 }
 
-/// Tells a plan of several behaviors, each with its places.
-fn tells(trial: &mut Trial, plan: &[(u32, &[(f64, f64)])]) {
-    use backseat_spi::AckStatus;
-    let Some((_, command)) = trial.commands("RMP").pop() else {
-        panic!("no BPRMP")
-    };
-    let created = command.created().unwrap();
-    let now = trial.now;
-    trial
-        .vehicle
-        .acknowledge(now, ("RMP", created, None, AckStatus::Pending));
-    trial.run_for(0.3);
-    for (number, places) in plan {
-        for (index, place) in places.iter().enumerate() {
-            let now = trial.now;
-            trial.vehicle.say_element(now, Some(*number), None, index, *place);
-        }
-    }
-    trial.run_for(0.2);
-    let now = trial.now;
-    trial
-        .vehicle
-        .acknowledge(now, ("RMP", created, None, AckStatus::Succeeded));
-    trial.run_for(0.5);
-}
-
 fn outage_with(trial: &mut Trial, plan: &[(u32, &[(f64, f64)])]) {
     trial.vehicle.replays = false;
     trial.cut();
     trial.run_for(1.5);
     assert!(trial.is_connected());
-    tells(trial, plan);
-    let now = trial.now;
-    trial.vehicle.set_status(now, "Running");
-    trial.vehicle.set_control(now, true);
+    tells_plan_of(trial, plan);
+    hands_over(trial);
     trial.run_for(0.5);
     // `Running` makes core ask again.
-    tells(trial, plan);
+    tells_plan_of(trial, plan);
     assert!(trial.core.has_control(), "{:#?}", trial.notes());
 }
 
@@ -146,7 +104,7 @@ fn on_the_west_leg() -> Trial {
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.vehicle.start = EastNorth::new(-1300.0, 0.0);
     trial.run_for(1.0);
-    tells(&mut trial, WEST_LEG);
+    tells_plan_of(&mut trial, WEST_LEG);
     assert!(trial.core.has_control(), "{:#?}", trial.notes());
     trial
 }
@@ -233,7 +191,7 @@ fn sr_002_the_transit_counts_even_if_core_only_sees_a_later_leg_that_it_runs_alo
         trial.vehicle.heading_deg = WAY_DEG;
         trial.vehicle.start = EastNorth::new(-300.0, -1410.0).offset(WAY_DEG + 180.0, 4.0);
         trial.run_for(1.0);
-        tells(
+        tells_plan_of(
             &mut trial,
             &[(
                 1,
@@ -270,9 +228,7 @@ fn sr_002_a_link_loss_does_not_make_a_leg_that_is_taken_up_again_begin_here() {
         trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
         trial.vehicle.start = EastNorth::new(500.0, -1200.0);
         trial.run_for(1.0);
-        let now = trial.now;
-        trial.vehicle.set_status(now, "Running");
-        trial.vehicle.set_control(now, true);
+        hands_over(&mut trial);
         trial.run_for(1.0);
         begins(&mut trial, Some(1), None);
         lose(&mut trial);
@@ -291,9 +247,7 @@ fn sr_002_a_damaged_sentence_does_not_make_a_leg_that_is_taken_up_again_begin_he
     trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
     trial.vehicle.start = EastNorth::new(500.0, -1200.0);
     trial.run_for(1.0);
-    let now = trial.now;
-    trial.vehicle.set_status(now, "Running");
-    trial.vehicle.set_control(now, true);
+    hands_over(&mut trial);
     trial.run_for(1.0);
     begins(&mut trial, Some(1), None);
     trial.hear_bytes(b"$BFSVS,120000.000,1500.0*00\r\n");
@@ -363,7 +317,7 @@ fn sr_002_a_vehicle_that_is_seen_on_a_leg_may_be_on_the_way_to_the_next_behavior
         let mut trial = Trial::new();
         trial.vehicle.replies.insert("RMP", Reply::Silent);
         trial.run_for(1.0);
-        tells(&mut trial, PLAN);
+        tells_plan_of(&mut trial, PLAN);
         if heard {
             ends(&mut trial, Some(1), None);
             begins(&mut trial, Some(2), None);
@@ -394,7 +348,7 @@ fn sr_002_our_insert_that_began_unheard_and_was_interrupted_may_be_taken_up_agai
         accepted(&mut trial, at_once(line(2, (-700.0, -500.0), (700.0, -500.0))), 2);
         ends(&mut trial, Some(1), None);
         if lose {
-            trial.way = Some(Box::new(damage("BFMBS")));
+            trial.way = Some(Box::new(damage("BFMBS", "")));
         }
         begins(&mut trial, None, Some(1));
         trial.way = None;
@@ -420,9 +374,7 @@ fn before_the_east_leg(setup: Setup, others: &[(u32, (f64, f64))]) -> Trial {
     trial.vehicle.replays = false;
     trial.vehicle.moved = Some((1, EastNorth::new(1300.0, 0.0)));
     trial.run_for(1.0);
-    let now = trial.now;
-    trial.vehicle.set_status(now, "Running");
-    trial.vehicle.set_control(now, true);
+    hands_over(&mut trial);
     trial.run_for(1.0);
     trial
 }
@@ -490,9 +442,7 @@ fn sr_002_time_on_a_line_counts_only_when_the_modify_from_before_the_loss_is_ove
     trial.vehicle.replays = false;
     trial.cut();
     trial.run_for(1.5);
-    let now = trial.now;
-    trial.vehicle.set_status(now, "Running");
-    trial.vehicle.set_control(now, true);
+    hands_over(&mut trial);
     for tag in 10..200 {
         trial.ask(0, [Request::Modify(modify(tag))]);
         trial.run_for(0.1);

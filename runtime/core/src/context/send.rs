@@ -105,10 +105,10 @@ impl Context {
                 });
                 return false;
             }
-            match command.purpose {
-                Purpose::Cancel { insert, .. } => self.ledger.cancel_sent(self.now, Some(insert)),
-                Purpose::CancelAll(_) => self.ledger.cancel_sent(self.now, None),
-                _ => {}
+            if let Purpose::Cancel { insert, .. } = command.purpose {
+                self.ledger.cancel_sent(self.now, Some(insert));
+            } else if matches!(command.purpose, Purpose::CancelAll(_)) {
+                self.ledger.cancel_sent(self.now, None);
             }
             let early = command.purpose == Purpose::Early;
             self.link.heartbeat.left(self.now, command.name, command.created, early);

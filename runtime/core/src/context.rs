@@ -59,11 +59,7 @@ impl Context {
             now: Timestamp::ZERO,
             stamper: Stamper::new(start.utc),
             vehicle: Vehicle::new(*envelope.fence().frame(), limits, start.identifiers),
-            control: Control {
-                armed: start.armed,
-                held: start.held && is_on(Check::OperatorHold),
-                ..Control::default()
-            },
+            control: Control::new(start.armed, start.held && is_on(Check::OperatorHold)),
             link: Link::new(
                 Subscriptions::new(&plugins, settings.sonar.is_some()),
                 limits.link_delay_max(),

@@ -8,6 +8,27 @@ use crate::settings::ControlHook;
 /// another day, or the vehicle's clock was set.
 const OLDER_WITHIN: Duration = Duration::from_secs(60);
 
+/// The newest message of a kind that has ended or stopped something: when the vehicle made it, and when it came. A message
+/// that allows something again does not count if it was made before.
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
+pub(crate) struct Newest(Option<(TimeOfDay, Timestamp)>);
+
+impl Newest {
+    /// Whether a message that comes now was made before the newest one: either it is late, or the vehicle's clock was set.
+    pub(crate) fn is_after(&self, now: Timestamp, created: TimeOfDay) -> bool {
+        let newest = self.0.filter(|(_, heard)| now.since(*heard) < OLDER_WITHIN);
+        newest.is_some_and(|(newest, _)| created.nanos_since(newest) < 0)
+    }
+
+    /// Such a message has come. It becomes the newest, unless it is older.
+    pub(crate) fn hear(&mut self, now: Timestamp, created: TimeOfDay) {
+        if !self.is_after(now, created) {
+            self.0 = Some((created, now));
+        }
+    }
+}
+
 /// What the vehicle, the operator and the run itself say about who steers.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
@@ -16,8 +37,14 @@ pub(crate) struct Control {
     pub(crate) armed: bool,
     /// Whether the backseat has control, by the last word of the configured hook.
     pub(crate) handed_over: Option<bool>,
-    /// The newest message of this connection that took control away: when the vehicle made it, and when it came.
-    pub(crate) revoked: Option<(TimeOfDay, Timestamp)>,
+    /// The newest message of this connection that took control away.
+    revoked: Newest,
+    /// The newest BFMIS of this connection with another status than `Running`.
+    stopped: Newest,
+    /// The newest BFMSC whose text held.
+    pub(crate) held_by_text: Newest,
+    /// When the newest message of this connection came that may have taken control away, and could not be read.
+    doubted: Option<Timestamp>,
     /// BFMIS begins with `Running`.
     pub(crate) running: Option<bool>,
     /// The operator holds.
@@ -34,25 +61,48 @@ pub(crate) struct Control {
 }
 
 impl Control {
+    /// What holds as a process begins.
+    pub(crate) fn new(armed: bool, held: bool) -> Self {
+        Self {
+            armed,
+            held,
+            ..Self::default()
+        }
+    }
+
     /// The link is new or gone: the vehicle has said nothing about control on it.
     pub(crate) fn forget(&mut self) {
         self.handed_over = None;
-        self.revoked = None;
         self.running = None;
+        (self.revoked, self.stopped, self.doubted) = (Newest::default(), Newest::default(), None);
     }
 
     /// A BFCTL, or a BFMSC with one of the texts for it. One that gives control does not count if the vehicle made it before the newest one that took control
     /// away: either it is late, or the vehicle's clock was set. Nobody can tell which, so it is unknown who has control.
-    /// Returns whether this one counts.
-    pub(crate) fn hand_over(&mut self, now: Timestamp, created: TimeOfDay, granted: bool) -> bool {
-        let newest = self.revoked.filter(|(_, heard)| now.since(*heard) < OLDER_WITHIN);
-        let is_older = newest.is_some_and(|(revoked, _)| created.nanos_since(revoked) < 0);
-        if !granted && !is_older {
-            self.revoked = Some((created, now));
+    /// The same for the newest one that could not be read: `made` is the earliest that the vehicle may have made this one, by
+    /// our clock. Returns whether this one counts.
+    pub(crate) fn hand_over(&mut self, now: Timestamp, (created, made): (TimeOfDay, Timestamp), granted: bool) -> bool {
+        let counts = !granted || !(self.revoked.is_after(now, created) || self.is_doubted(now, made));
+        if !granted {
+            self.revoked.hear(now, created);
         }
-        let counts = !(granted && is_older);
         self.handed_over = counts.then_some(granted);
         counts
+    }
+
+    /// The same for a BFMIS: it does not count if it says `Running` and was made before the newest one that says something
+    /// else.
+    pub(crate) fn mission(&mut self, now: Timestamp, (created, made): (TimeOfDay, Timestamp), running: bool) -> bool {
+        if !running {
+            self.stopped.hear(now, created);
+            return true;
+        }
+        !(self.stopped.is_after(now, created) || self.is_doubted(now, made))
+    }
+
+    fn is_doubted(&self, now: Timestamp, made: Timestamp) -> bool {
+        let doubted = self.doubted.filter(|heard| now.since(*heard) < OLDER_WITHIN);
+        doubted.is_some_and(|heard| made < heard)
     }
 
     /// Whether the vehicle has told on this connection what it tells each new subscriber: who has control, and whether its
@@ -63,13 +113,14 @@ impl Control {
 
     /// A message of the vehicle that is damaged or cannot be read may have taken control away (safety requirement 001).
     /// Returns whether this one may have.
-    pub(crate) fn doubt(&mut self, hook: &ControlHook, message: &str) -> bool {
+    pub(crate) fn doubt(&mut self, now: Timestamp, hook: &ControlHook, message: &str) -> bool {
         match message {
             "BFCTL" if *hook == ControlHook::Bfctl => self.handed_over = None,
             "BFMSC" if matches!(hook, ControlHook::MissionCommand { .. }) => self.handed_over = None,
             "BFMIS" => self.running = None,
             _ => return false,
         }
+        self.doubted = Some(now);
         true
     }
 }

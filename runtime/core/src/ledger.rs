@@ -105,12 +105,14 @@ pub(crate) struct Entry {
     pub(crate) interrupted: bool,
     /// When an insert was sent.
     pub(crate) sent_at: Timestamp,
-    /// The vehicle's plan does not name this insert, and core asked for that plan after the vehicle must have decided
-    /// on the insert: so the insert does not wait.
+    /// The vehicle's plan does not name this insert, which timed out or which we have cancelled, and core asked for that
+    /// plan after the vehicle must have decided on it: so the insert does not wait.
     pub(crate) not_queued: bool,
     /// The vehicle may have dropped this insert: it has flown another dive since, its plan lacks the insert, or a cancel was
     /// sent. A plan that was asked for at this time or later, and names the insert, shows that it has not.
     pub(crate) may_be_gone: Option<Timestamp>,
+    /// A cancel was sent. The vehicle has decided on it by then.
+    cancelled_by: Option<Timestamp>,
     /// As what the request counts.
     standing: Standing,
 }
@@ -185,6 +187,7 @@ impl Ledger {
             sent_at: Timestamp::ZERO,
             not_queued: false,
             may_be_gone: None,
+            cancelled_by: None,
             standing: Standing::Waiting,
         };
         self.open.insert(self.last, entry);
@@ -275,6 +278,30 @@ impl Ledger {
         None
     }
 
+    /// A message or the link was lost, and with it perhaps the begin of an insert that core did not ask for.
+    pub(crate) fn lost_begin(&mut self) {
+        self.left.extend(self.flown_last.take());
+    }
+
+    /// The refused inserts that the vehicle's plan names.
+    pub(crate) fn refused_that(&self, named: impl Fn(BehaviorId) -> bool) -> Vec<u64> {
+        let refused = self.refused.iter();
+        let named = refused.filter(|(_, entry)| entry.identifier.is_some_and(&named));
+        named.map(|(request, _)| *request).collect()
+    }
+
+    /// The inserts that the vehicle had accepted and that are over: we have cancelled them, its plan lacks them, and it flies
+    /// a behavior of its plan.
+    pub(crate) fn cancelled_unanswered(&self) -> Vec<u64> {
+        let gone = |entry: &Entry| {
+            entry.not_queued
+                && entry.state == RequestState::Accepted
+                && entry.insert.is_some_and(|insert| !insert.surfaces())
+        };
+        let open = self.iter().filter(|(_, entry)| gone(entry));
+        open.map(|(request, _)| request).collect()
+    }
+
     /// The inserts that have ended, but that the vehicle may take up again.
     pub(crate) fn left(&self) -> impl Iterator<Item = &Entry> + '_ {
         self.left.iter()
@@ -342,6 +369,11 @@ impl Ledger {
         self.doubtful.contains_key(&request)
     }
 
+    /// Whether this insert timed out, or was accepted after its refusal, and may wait in the vehicle's plan.
+    pub(crate) fn may_wait(&self, request: u64) -> bool {
+        self.doubtful.get(&request).is_some_and(|entry| !entry.not_queued)
+    }
+
     /// The vehicle has reported that it no longer has this insert, which had timed out.
     pub(crate) fn settle_doubt(&mut self, request: u64) {
         self.doubtful.remove(&request);
@@ -362,8 +394,15 @@ impl Ledger {
         for (request, entry) in &mut self.open {
             if entry.is_open_insert() && insert.is_none_or(|insert| insert == *request) {
                 entry.may_be_gone = Some(now + SETTLED_WITHIN);
+                entry.cancelled_by = entry.may_be_gone;
             }
         }
+    }
+
+    /// By when the vehicle has decided on each cancel of an insert that it had accepted.
+    pub(crate) fn cancels_decided_by(&self) -> Option<Timestamp> {
+        let accepted = self.open.values().filter(|entry| entry.state == RequestState::Accepted);
+        accepted.filter_map(|entry| entry.cancelled_by).max()
     }
 
     /// The vehicle has sent its plan, for which core asked at `asked_at`. Open inserts that the plan names are there.
@@ -372,7 +411,10 @@ impl Ledger {
     pub(crate) fn heard_plan(&mut self, asked_at: Timestamp, has: impl Fn(BehaviorId) -> bool) {
         for entry in self.open.values_mut() {
             let decided = asked_at >= entry.sent_at + SETTLED_WITHIN;
-            if entry.identifier.is_some_and(&has) {
+            let named = entry.identifier.is_some_and(&has);
+            let cancelled = entry.cancelled_by.is_some_and(|by| by <= asked_at);
+            entry.not_queued = cancelled && !named;
+            if named {
                 entry.may_be_gone = entry.may_be_gone.filter(|since| asked_at < *since);
             } else if entry.is_open_insert() && decided {
                 entry.may_be_gone = entry.may_be_gone.max(Some(asked_at));

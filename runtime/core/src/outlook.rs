@@ -35,10 +35,11 @@ pub(crate) struct Outlook<'a> {
 }
 
 impl<'a> Outlook<'a> {
-    /// Inserts of the vehicle's plan that are not ours.
+    /// Inserts of the vehicle's plan whose way core does not know: another payload's, a previous run's, or one of ours that
+    /// core believed to be over.
     pub(crate) fn others(&self) -> impl Iterator<Item = (BehaviorId, &'a Element)> + use<'a> {
-        let identifiers = self.identifiers;
-        self.vehicle.plan.others(|identifier| identifiers.is_ours(identifier))
+        let ledger = self.ledger;
+        self.vehicle.plan.others(|identifier| ledger.sent(identifier).is_some())
     }
 
     /// Our open inserts in the order in which they are flown, each with its request and whether it has begun.

@@ -21,6 +21,7 @@ use crate::capability::insert::recall::Recalls;
 use crate::context::Context;
 use crate::ended::{EndCause, Failure};
 use crate::io::Note;
+use crate::ledger::Entry;
 use crate::ledger::schedule::Schedule;
 use crate::monitor::envelope::{Flight, Insert, InsertPath, Route, Vertical};
 use crate::monitor::limits::Grant;
@@ -319,6 +320,7 @@ impl Inserts {
         match answer {
             Answer::Pending => {}
             Answer::Missing => {
+                self.ask_whether_gone(cx, insert);
                 if let Some(cancel) = cancel {
                     cx.transition(cancel, RequestState::TimedOut);
                 }
@@ -339,10 +341,19 @@ impl Inserts {
                 if let Some(entry) = cx.ledger.get_mut(insert) {
                     entry.may_be_gone = entry.may_be_gone.max(Some(cx.now));
                 }
+                self.ask_whether_gone(cx, insert);
                 if let Some(cancel) = cancel {
                     cx.transition(cancel, RequestState::Failed(Failure::Vehicle(text.to_owned())));
                 }
             }
+        }
+    }
+
+    /// A cancel was not answered, or refused: only the plan can show whether the vehicle still has the insert.
+    fn ask_whether_gone(&self, cx: &mut Context, insert: u64) {
+        let waits = |entry: &Entry| entry.is_open_insert() && entry.state != RequestState::Started;
+        if cx.ledger.get(insert).is_some_and(waits) || cx.ledger.is_doubtful(insert) {
+            cx.timers.set_unless_set(Timer::Plan, cx.now + SETTLED_WITHIN);
         }
     }
 
@@ -378,6 +389,10 @@ impl Inserts {
             .filter_map(|(request, entry)| Some((request, entry.identifier?, entry.sent_at + SETTLED_WITHIN)))
             .collect();
         let asked_at = cx.vehicle.plan.asked_at();
+        if let Some(by) = cx.ledger.cancels_decided_by().filter(|by| asked_at < *by) {
+            // The vehicle may not have decided on a cancel yet.
+            cx.timers.set_unless_set(Timer::Plan, by);
+        }
         for (request, identifier, decided_at) in open {
             if cx.vehicle.plan.has(identifier) {
                 cx.transition(request, RequestState::Accepted);
@@ -394,6 +409,9 @@ impl Inserts {
         }
         let plan = &cx.vehicle.plan;
         cx.ledger.heard_plan(asked_at, |identifier| plan.has(identifier));
+        for request in cx.ledger.refused_that(|identifier| plan.has(identifier)) {
+            self.accepted_after_refusal(cx, request);
+        }
     }
 
     /// The mission is over, and so is what it held.

@@ -102,6 +102,11 @@ pub(crate) struct Modify {
 }
 
 impl Modify {
+    /// When the last BPRMB was sent.
+    pub(crate) const fn sent(&self) -> Option<Timestamp> {
+        self.sent
+    }
+
     /// Whether a modify may begin: not in the pause after a BPRMB that the vehicle refused or did not answer.
     pub(crate) fn may_begin(&self, cx: &Context) -> Result<(), Refusal> {
         let Some(left) = self.pause.left(cx.now).filter(|_| is_on(Check::LeasePause)) else {

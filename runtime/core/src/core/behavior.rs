@@ -1,6 +1,7 @@
 //! The behaviors that the vehicle begins and ends (SPI 6.9, 6.10), and what follows from that.
 
 use backseat_spi::{BehaviorBegin, BehaviorEnd, BehaviorId};
+use backseat_units::TimeOfDay;
 
 use super::{Core, course};
 use crate::ended::EndCause;
@@ -13,8 +14,11 @@ use crate::vehicle::dive::NamedBy;
 
 impl Core {
     pub(super) fn behavior_began(&mut self, message: BehaviorBegin) {
+        if self.cx.vehicle.dive.changed.is_after(self.cx.now, message.created) {
+            return self.of_dive_before(message.created);
+        }
         // This comes first, because the behavior belongs to the dive that the message names.
-        self.dive_named(NamedBy::Behavior, &message.dive_file);
+        self.dive_named(NamedBy::Behavior, message.created, &message.dive_file);
         // A behavior with neither number nor identifier (an adjustment) runs beside what is flown and says nothing
         // about it.
         let is_flown = message.number.is_some() || message.identifier.is_some();
@@ -79,6 +83,9 @@ impl Core {
                 self.cx
                     .ledger
                     .settle_doubt_if(|entry| entry.not_queued && entry.insert.is_some_and(|insert| !insert.surfaces()));
+                for request in self.cx.ledger.cancelled_unanswered() {
+                    self.cx.transition(request, RequestState::Cancelled);
+                }
                 let vehicle = &mut self.cx.vehicle;
                 vehicle.previous_run.plan_goes_on(&vehicle.plan);
                 self.capabilities.inserts.judge_waiting(&mut self.cx);
@@ -92,6 +99,9 @@ impl Core {
     }
 
     pub(super) fn behavior_ended(&mut self, message: BehaviorEnd) {
+        if self.cx.vehicle.dive.changed.is_after(self.cx.now, message.created) {
+            return self.of_dive_before(message.created);
+        }
         self.cx.heard(message.created);
         self.cx.note_of_vehicle(Note::Behavior {
             began: false,
@@ -133,6 +143,16 @@ impl Core {
         tell_of_behavior(&mut self.cx.plugins, false, own, message.kind.as_str());
     }
 
+    /// A BFMBS or BFMBE was made before the vehicle named another dive. It is late, or the vehicle's clock was set. Nobody can
+    /// tell which, so it is unknown what is flown.
+    fn of_dive_before(&mut self, created: TimeOfDay) {
+        self.cx.heard(created);
+        self.cx.note_of_vehicle(Note::Text {
+            text: "a behavior of the dive before begins or ends: it is unknown what is flown".to_owned(),
+        });
+        self.invalidate_after_loss();
+    }
+
     /// Ends the inserts that had begun before this behavior. The vehicle flies one behavior at a time, so they are over
     /// when another one begins, even if their BFMBE was lost with a connection. But an insert that was or may have been
     /// interrupted is not over until the plan goes on: the vehicle may first fly all inserts that wait, and then return
@@ -163,6 +183,9 @@ impl Core {
             })
             .collect();
         for (request, why) in overtaken {
+            if let Some(identifier) = self.cx.ledger.get(request).and_then(|entry| entry.identifier) {
+                self.cx.vehicle.plan.ended(identifier);
+            }
             self.cx.transition(request, RequestState::Ended(why.into()));
         }
     }

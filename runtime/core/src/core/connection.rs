@@ -24,7 +24,7 @@ impl Core {
             ..
         } = self;
         if !cx.vehicle.previous_run.is_none() {
-            course::may_be_led(cx);
+            course::may_be_led(cx, cx.now);
         }
         cx.link.begin(cx.now);
         cx.vehicle.reset();
@@ -54,7 +54,10 @@ impl Core {
         // No BPEMB reaches the vehicle: its own time limit ends the modify (safety requirement 007).
         cx.link.end();
         if cx.arbiter.is_steering() {
-            course::may_be_led(cx);
+            course::may_be_led(cx, cx.now);
+        } else if let Some(sent) = capabilities.modify.sent() {
+            // The BPEMB of a lease that has just ended may be lost with the link.
+            course::may_be_led(cx, sent);
         }
         course::lost(cx);
         cx.vehicle.previous_run.link_lost();

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use backseat_spi::BehaviorId;
-use backseat_units::EastNorth;
 use backseat_units::math::hypot;
+use backseat_units::{EastNorth, Timestamp};
 
 use crate::context::Context;
 use crate::plugin::NavigationSample;
@@ -22,6 +22,11 @@ pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<Be
     };
     // Where an insert begins that is not ours does not matter, because nothing of ours steers while it is flown.
     let ours = identifier.is_none_or(|identifier| cx.ledger.by_identifier(identifier).is_some());
+    if let Some(identifier) = identifier {
+        let known = cx.ledger.sent(identifier).is_some();
+        let interrupts = may_interrupt(cx, identifier);
+        cx.vehicle.courses.inserts(identifier, known, interrupts);
+    }
     if let Some(over) = cx.ledger.begins(identifier) {
         cx.vehicle.courses.ended(over);
     }
@@ -38,11 +43,16 @@ pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<Be
 
 /// The vehicle begins or ends an insert. Nobody may have heard it begin.
 fn inserted(cx: &mut Context, identifier: BehaviorId) {
-    if !cx.identifiers.is_ours(identifier) {
-        cx.vehicle.courses.is_shared();
-    }
+    named(cx, identifier);
     if may_interrupt(cx, identifier) {
         cx.vehicle.courses.leave_plan();
+    }
+}
+
+/// The vehicle names an insert, in its plan or as it begins or ends. It may be another payload's.
+pub(super) fn named(cx: &mut Context, identifier: BehaviorId) {
+    if !cx.identifiers.is_ours(identifier) && !cx.vehicle.previous_run.includes(identifier) {
+        cx.vehicle.courses.is_shared();
     }
 }
 
@@ -55,8 +65,9 @@ fn may_interrupt(cx: &Context, identifier: BehaviorId) -> bool {
 
 /// A message or the link was lost. An insert that interrupts may have begun and ended meanwhile.
 pub(super) fn lost(cx: &mut Context) {
-    if cx.outlook().others().next().is_some() {
-        cx.vehicle.courses.is_shared();
+    if cx.vehicle.courses.shared() {
+        // Another payload's insert may have begun, and interrupted what we heard end.
+        cx.ledger.lost_begin();
     }
     if cx.ledger.interrupts() || cx.vehicle.courses.shared() || cx.outlook().previous_run_may_fly() {
         cx.vehicle.courses.leave_plan();
@@ -64,10 +75,11 @@ pub(super) fn lost(cx: &mut Context) {
     cx.vehicle.courses.invalidate_after_loss();
 }
 
-/// The link is lost, or was lost in a previous run. If a modify leads the vehicle, it may do so until the vehicle forgets it.
-pub(super) fn may_be_led(cx: &mut Context) {
+/// The link is lost, or was lost in a previous run. If a modify that was sent at this time at the latest leads the vehicle, it may do
+/// so until the vehicle forgets it.
+pub(super) fn may_be_led(cx: &mut Context, sent: Timestamp) {
     let delay = Duration::from_secs_f64(cx.monitor.limits().link_delay_max_s);
-    cx.vehicle.courses.may_be_led_until(cx.now + MODIFY_LAPSES + delay);
+    cx.vehicle.courses.may_be_led_until(sent + MODIFY_LAPSES + delay);
 }
 
 /// Navigation has come, perhaps with a jump. If it jumped close to a begin, the vehicle may have believed then that it
@@ -144,13 +156,15 @@ fn look(cx: &mut Context, navigation: &NavigationSample, is_on: impl Fn((EastNor
             .collect(),
         None => outlook.lines_that_may_be_flown(),
     };
+    let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
+    let ahead = outlook.ahead(navigation.local, velocity);
     let mut along: Vec<u32> = Vec::new();
     for (number, line) in lines {
         if is_on(line) && !along.contains(&number) {
             along.push(number);
         }
     }
-    if !cx.vehicle.courses.keeps_to(cx.now, &along) {
+    if !cx.vehicle.courses.keeps_to(cx.now, &along, ahead) {
         return;
     }
     let sighted = match cx.vehicle.courses.resumes() {

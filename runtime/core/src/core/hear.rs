@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use backseat_spi::{Ctd, DecodeError, FromVehicle, MissionCommand, MissionStatus, Text};
+use backseat_units::TimeOfDay;
 
 use super::samples::sampled;
 use super::{Core, course};
@@ -65,7 +66,7 @@ impl Core {
     }
 
     /// A message was lost. If a modify is steering, it goes on only if it would be allowed now.
-    fn invalidate_after_loss(&mut self) {
+    pub(super) fn invalidate_after_loss(&mut self) {
         self.session.lost(self.cx.now);
         course::lost(&mut self.cx);
         self.cx.vehicle.invalidate_after_loss();
@@ -75,7 +76,7 @@ impl Core {
     /// A message of this name was damaged or cannot be read. If it may have taken control away, core has none until the
     /// vehicle says so again.
     fn doubt_control(&mut self, message: &str) {
-        if self.cx.control.doubt(&self.cx.settings.control, message) {
+        if self.cx.control.doubt(self.cx.now, &self.cx.settings.control, message) {
             self.settle_control();
             self.session.lost(self.cx.now);
         }
@@ -113,7 +114,8 @@ impl Core {
             FromVehicle::BackseatControl(message) => {
                 self.cx.heard(message.created);
                 if self.cx.settings.control == ControlHook::Bfctl {
-                    let counts = self.cx.control.hand_over(self.cx.now, message.created, message.granted);
+                    let when = (message.created, self.cx.when(message.created));
+                    let counts = self.cx.control.hand_over(self.cx.now, when, message.granted);
                     // If the vehicle takes control and gives it back within one read, it was still lost.
                     self.settle_control();
                     if !counts {
@@ -134,6 +136,9 @@ impl Core {
                 self.cx.heard(message.created);
                 let frame = *self.cx.monitor.envelope.fence().frame();
                 self.cx.vehicle.plan.collect(&frame, &message);
+                if let Some(identifier) = message.identifier {
+                    course::named(&mut self.cx, identifier);
+                }
                 self.capabilities
                     .inserts
                     .previous_run_named(&mut self.cx, message.identifier);
@@ -202,10 +207,11 @@ impl Core {
 
     /// If the vehicle names another dive file, core forgets the plan and asks for it again. Nothing steers until the
     /// new plan is complete.
-    pub(super) fn dive_named(&mut self, by: NamedBy, file: &Text) {
+    pub(super) fn dive_named(&mut self, by: NamedBy, created: TimeOfDay, file: &Text) {
         if !self.cx.vehicle.dive.named(by, file) || !is_on(Check::DiveIdentity) {
             return;
         }
+        self.cx.vehicle.dive.changed.hear(self.cx.now, created);
         self.cx.note_of_vehicle(Note::Text {
             text: format!("the vehicle names another dive: {}", file.as_str().trim()),
         });
@@ -221,8 +227,21 @@ impl Core {
 
     fn mission_status(&mut self, message: &MissionStatus) {
         self.cx.heard(message.created);
-        self.dive_named(NamedBy::Status, &message.dive_file);
         let running = message.is_running();
+        let when = (message.created, self.cx.when(message.created));
+        if !self.cx.control.mission(self.cx.now, when, running) {
+            // It is late, or the vehicle's clock was set. Nobody can tell which.
+            self.cx.control.running = None;
+            if self.cx.settings.control == ControlHook::Running {
+                self.cx.control.handed_over = None;
+            }
+            self.settle_control();
+            self.session.lost(self.cx.now);
+            return;
+        }
+        if !self.cx.vehicle.dive.changed.is_after(self.cx.now, message.created) {
+            self.dive_named(NamedBy::Status, message.created, &message.dive_file);
+        }
         self.cx.note_of_vehicle(Note::Mission {
             status: message.status.as_str().trim().to_owned(),
         });
@@ -232,6 +251,7 @@ impl Core {
                 self.cx.vehicle.forget_plan();
                 self.cx.link.commands.forget_plan();
                 self.session.want_plan(&mut self.cx);
+                self.cx.vehicle.courses.unplace();
             } else if is_on(Check::MissionRuns) && is_on(Check::ControlLossEndsLease) {
                 self.capabilities.modify.end(&mut self.cx, EndCause::MissionNotRunning);
             }
@@ -253,6 +273,15 @@ impl Core {
     fn mission_command(&mut self, message: &MissionCommand) {
         self.cx.heard(message.created);
         let text = message.text.as_str();
+        let held = self.cx.control.held;
+        let is_hold = self.cx.settings.hold_text.as_deref() == Some(text.trim());
+        if !is_hold && self.cx.control.held_by_text.is_after(self.cx.now, message.created) {
+            // It may be an earlier release, or an earlier order, that comes late or again.
+            self.cx.note_of_vehicle(Note::Text {
+                text: format!("mission command ignored, because it is older than the hold: {text}"),
+            });
+            return;
+        }
         self.operator_by_text(text);
         if let ControlHook::MissionCommand { grant, revoke } = &self.cx.settings.control {
             let given = if text == grant {
@@ -261,7 +290,8 @@ impl Core {
                 (text.trim() == revoke.trim()).then_some(false)
             };
             if let Some(given) = given {
-                self.cx.control.hand_over(self.cx.now, message.created, given);
+                let when = (message.created, self.cx.when(message.created));
+                self.cx.control.hand_over(self.cx.now, when, given);
             }
             self.settle_control();
         }
@@ -273,6 +303,9 @@ impl Core {
             &mut self.capabilities,
             |when| matches!(when, Condition::MissionCommand(command) if command.trim() == text.trim()),
         );
+        if is_hold || (self.cx.control.held && !held) {
+            self.cx.control.held_by_text.hear(self.cx.now, message.created);
+        }
         self.cx
             .plugins
             .tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));

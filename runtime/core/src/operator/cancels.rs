@@ -58,6 +58,9 @@ impl Orders {
                     } else if insert.interrupt {
                         cx.transition(request, RequestState::Unknown);
                     } else {
+                        if let Some(identifier) = cx.ledger.get(request).and_then(|entry| entry.identifier) {
+                            cx.vehicle.plan.ended(identifier);
+                        }
                         cx.transition(request, RequestState::Cancelled);
                     }
                 }
@@ -103,7 +106,7 @@ impl Orders {
             to.push(cx.monitor.envelope.ends(next).0);
             surfacing |= next.surfaces();
         } else {
-            to.extend(cx.vehicle.plan.next_points().into_iter().map(End::At));
+            to.extend(cx.vehicle.plan.goes_on_to().into_iter().map(End::At));
             let interrupts = chain.iter().any(|(_, insert, begun)| *begun && insert.interrupt);
             if interrupts || own.is_none() {
                 // After an interruption the vehicle may go back to what it left: the specification can be read both

@@ -4,13 +4,15 @@ use std::collections::BTreeSet;
 
 use backseat_spi::BehaviorId;
 use backseat_units::EastNorth;
+use backseat_units::math::hypot;
 
 use super::Outlook;
 use crate::ledger::Entry;
 use crate::mutations::{Check, is_on};
 use crate::plugin::{NavigationSample, Refusal, RequestState};
 use crate::refusal::Reason;
-use crate::vehicle::course::{Begin, Flown, Sighting, leads_to};
+use crate::vehicle::course::{Begin, Flown, Sighting, WIDENS, leads_to};
+use crate::vehicle::plan::Element;
 
 impl Outlook<'_> {
     /// Where the vehicle was at the newest navigation, and how far it may have gone since.
@@ -32,7 +34,8 @@ impl Outlook<'_> {
             // With `modify_needs_plan = false`, core does without the plan, unless there was a previous run: that run
             // may have led the vehicle away from a line.
             None => {
-                self.is_placed() || (!self.monitor.limits().modify_needs_plan && self.vehicle.previous_run.is_none())
+                let without_plan = !self.monitor.limits().modify_needs_plan && self.vehicle.previous_run.is_none();
+                self.is_placed() || (without_plan && !self.may_fly_insert())
             }
             Some(Flown::Planned(number)) => self.vehicle.plan.names(number) || !self.vehicle.plan.is_complete(),
             Some(Flown::Inserted(identifier)) => self.ledger.by_identifier(identifier).is_some(),
@@ -78,22 +81,52 @@ impl Outlook<'_> {
         if self.takes_up_plan(interrupts) && self.vehicle.courses.lacks_plan() {
             return Err(Reason::TakenUpUnheard.into());
         }
+        if self.vehicle.courses.has_left_foreign() {
+            return Err(Reason::TakenUpForeign.into());
+        }
         Ok(())
+    }
+
+    /// Whether the vehicle may fly an insert, or be on its way to one, if nobody has heard what it flies.
+    fn may_fly_insert(&self) -> bool {
+        let courses = &self.vehicle.courses;
+        self.ledger.open_inserts() > 0
+            || self.ledger.left().next().is_some()
+            || courses.shared()
+            || courses.has_left_foreign()
+            || self.others().next().is_some()
+            || self.previous_run_may_fly()
     }
 
     /// The lines of the plan, and the number of the behavior to which each belongs. Empty if the vehicle may fly an
     /// insert: the line of an insert, or the way to it, may run along the plan's.
     pub(crate) fn lines_that_may_be_flown(&self) -> Vec<(u32, (EastNorth, EastNorth))> {
-        let mut others = self.others();
-        let only_plan = others.next().is_none() && self.ledger.open_inserts() == 0 && !self.previous_run_may_fly();
-        if !self.vehicle.plan.is_complete() || !only_plan {
+        let plan = &self.vehicle.plan;
+        // An element without a number belongs to a behavior that core cannot name.
+        let numbered = plan.planned().all(|element| element.number.is_some());
+        if !plan.is_complete() || !numbered || self.may_fly_insert() {
             return Vec::new();
         }
-        self.vehicle.plan.lines().collect()
+        plan.lines().collect()
     }
 
-    /// The planned behaviors that the vehicle may fly, if it moves `along` lines of some. It may also be on the way to a
-    /// behavior that begins ahead of it: no message tells where that way began.
+    /// The planned behaviors to whose lines, or to the ways to them, the vehicle moves. The vehicle may be coming back to one of
+    /// them, from where a modify has led it.
+    pub(crate) fn ahead(&self, here: EastNorth, velocity: EastNorth) -> BTreeSet<u32> {
+        let plan = &self.vehicle.plan;
+        let approaches = self.vehicle.courses.begun_of_plan().flat_map(|(number, begin)| {
+            let of = plan.planned().filter(move |element| element.number == Some(number));
+            of.map(move |element| (number, (begin.at, element.first())))
+        });
+        let within_m = self.monitor.limits().tracking_error_m;
+        let ahead = plan.lines().chain(approaches);
+        let ahead = ahead.filter(|(_, line)| leads_to(here, velocity, *line, within_m));
+        ahead.map(|(number, _)| number).collect()
+    }
+
+    /// The planned behaviors that the vehicle may fly, if it moves `along` lines of some. It may also be on the way to one
+    /// of which a line is ahead of it, or on the way back to one that it flew before. If such a behavior begins ahead of the vehicle,
+    /// no message tells where the way to it began.
     pub(crate) fn sighted(
         &self,
         along: &[u32],
@@ -101,15 +134,17 @@ impl Outlook<'_> {
         is_on: impl Fn((EastNorth, EastNorth)) -> bool,
     ) -> Vec<Sighting> {
         let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
+        let within_m = self.monitor.limits().tracking_error_m;
+        let comes_to: BTreeSet<u32> = self.vehicle.courses.may_come_to().collect();
         let mut sighted: Vec<Sighting> = Vec::new();
         for element in self.vehicle.plan.planned() {
             let Some(number) = element.number else { continue };
             if sighted.iter().any(|sighting| sighting.number == number) {
                 continue;
             }
-            let ahead = leads_to(navigation.local, velocity, element.first());
-            let comes_from = ahead.then(|| self.comes_along(navigation.local, element.first()));
-            if comes_from.is_some() || along.contains(&number) {
+            let ahead = leads_to(navigation.local, velocity, (element.first(), element.first()), within_m);
+            let comes_from = ahead.then(|| self.comes_along(navigation.local, velocity, element.first()));
+            if comes_from.is_some() || along.contains(&number) || comes_to.contains(&number) {
                 sighted.push(Sighting {
                     number,
                     on_first_line: self.first_line_of(Flown::Planned(number)).is_some_and(&is_on),
@@ -122,10 +157,18 @@ impl Outlook<'_> {
 
     /// The way on which the vehicle may be `here`, `to` the first point of a behavior. It counts as far back as a modify
     /// may lead the vehicle.
-    fn comes_along(&self, here: EastNorth, to: EastNorth) -> Begin {
+    fn comes_along(&self, here: EastNorth, velocity: EastNorth, to: EastNorth) -> Begin {
         let limits = self.monitor.limits();
         let back_m = limits.speed_max_mps * (limits.modify_term_max_s + limits.link_delay_max_s);
         let left_m = here.distance_m(to);
+        if left_m <= limits.tracking_error_m {
+            // So close to it, the direction to it says nothing.
+            let speed_mps = hypot(velocity.east_m, velocity.north_m);
+            return Begin {
+                at: here + velocity * (-back_m / speed_mps),
+                within_m: limits.tracking_error_m + WIDENS * back_m,
+            };
+        }
         let back = (here - to) * (back_m / left_m);
         Begin {
             at: here + back,
@@ -161,11 +204,8 @@ impl Outlook<'_> {
             return 0;
         }
         // An insert of this process that core believed to be over counts if the plan still names it.
-        let others = self
-            .vehicle
-            .plan
-            .others(|identifier| self.ledger.by_identifier(identifier).is_some());
-        let mut inherited: BTreeSet<BehaviorId> = others
+        let mut inherited: BTreeSet<BehaviorId> = self
+            .others()
             .map(|(identifier, _)| identifier)
             .filter(|identifier| self.identifiers.is_used(*identifier))
             .collect();
@@ -180,9 +220,11 @@ impl Outlook<'_> {
     /// Whether the vehicle may still fly an insert of a previous run, or flies one that core believed to be over.
     pub(crate) fn previous_run_may_fly(&self) -> bool {
         let vehicle = self.vehicle;
-        vehicle
-            .previous_run
-            .may_fly(vehicle.named_insert.current(), &vehicle.plan)
+        let is_ours = |(identifier, _): (BehaviorId, &Element)| self.identifiers.is_ours(identifier);
+        self.others().any(is_ours)
+            || vehicle
+                .previous_run
+                .may_fly(vehicle.named_insert.current(), &vehicle.plan)
     }
 
     /// Whether the vehicle may be on its way to the surface for a GPS hit that core believed to be over, or that a

@@ -29,7 +29,7 @@ impl Outlook<'_> {
         };
         let from = self.monitor.envelope.ends(insert).1;
         let passage = self.passage(navigation.depth, insert.surfaces(), self.before_insert_s(false));
-        for to in self.vehicle.plan.next_points() {
+        for to in self.vehicle.plan.goes_on_to() {
             let judged = self.monitor.envelope.judge_way((from, End::At(to)), &passage);
             judged.map_err(Refusal::on_the_way_on)?;
         }
@@ -100,7 +100,7 @@ impl Outlook<'_> {
         let from = self.comes_from(chain.get(..at).unwrap_or_default());
         let to: Vec<End> = match after {
             Some(after) => vec![self.monitor.envelope.ends(&after.1).0],
-            None => self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
+            None => self.vehicle.plan.goes_on_to().into_iter().map(End::At).collect(),
         };
         let onto = if after.is_none() {
             self.taken_up_after(false)

@@ -62,7 +62,7 @@ impl Outlook<'_> {
     pub(crate) fn route_of_insert(&self, interrupt: bool) -> Route {
         let chain = self.chain();
         let mut route = Route {
-            to: self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
+            to: self.vehicle.plan.goes_on_to().into_iter().map(End::At).collect(),
             before_s: self.before_insert_s(interrupt),
             onto: self.taken_up_after(interrupt),
             depths_m: self.depths_of_ways(),

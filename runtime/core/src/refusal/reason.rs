@@ -88,6 +88,7 @@ reasons! {
     FlownNotPlanned "flown-not-planned" Plan "the current behavior is neither in the plan nor an open insert of this run: cannot check the return path";
     BeginUnheard "begin-unheard" Plan "current behavior unknown: cannot check the way to the insert";
     TakenUpUnheard "taken-up-unheard" Plan "it is unknown where the planned behavior began that the vehicle may resume: cannot check the return path";
+    TakenUpForeign "taken-up-foreign" Plan "the vehicle may resume another payload's insert: cannot check the return path";
     OtherSteers "other-steers" Priority "a plugin of higher priority steers";
     OtherKeepsStation "other-keeps-station" Priority "a plugin of higher priority keeps the vehicle at its station";
     OtherSilences "other-silences" Priority "another plugin has asked for the silence";

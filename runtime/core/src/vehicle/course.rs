@@ -8,7 +8,7 @@
 //! if the vehicle may have flown that behavior before: it may take up the way that it followed then. Everything that is
 //! judged by these places belongs to safety requirement 002.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use backseat_spi::BehaviorId;
@@ -29,6 +29,9 @@ const ON_LINE_FOR: Duration = Duration::from_secs(10);
 /// of that. One that crosses the line at a smaller angle is taken for one that follows it; its way then differs little
 /// from the line.
 const ALONG: f64 = 0.966;
+
+/// The tangent of 15 degrees.
+pub(crate) const WIDENS: f64 = 0.268;
 
 /// Whose path is flown: that of an element of the plan by its number, or that of an insert.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -83,6 +86,8 @@ pub(crate) struct Courses {
     on_line_since: Option<Timestamp>,
     /// If nobody heard what is flown: the planned behaviors along whose lines the vehicle moves, and since when.
     along: Vec<(u32, Timestamp)>,
+    /// The planned behaviors of which a line was ahead of the vehicle in that time.
+    ahead: BTreeSet<u32>,
     /// If nobody heard what is flown: the planned behaviors of which one was seen to be flown.
     placed: Vec<u32>,
     /// The vehicle may have left a behavior of its plan that is not done, for an insert that interrupts, and no planned
@@ -90,6 +95,10 @@ pub(crate) struct Courses {
     left_plan: bool,
     /// Another payload inserts into this mission too. Its inserts may interrupt, and they may begin and end unheard.
     shared: bool,
+    /// The insert that has begun last, if core does not know its way: another payload's, or a previous run's.
+    foreign: Option<BehaviorId>,
+    /// The vehicle may take up such an insert again, which another insert may have interrupted (SPI 7.5).
+    left_foreign: bool,
     missed: Missed,
     /// The planned behavior that was heard to begin, if it is not known where the vehicle continues it.
     resumed: Option<u32>,
@@ -131,6 +140,18 @@ impl Courses {
         self.shared
     }
 
+    /// An insert begins: `known` if core knows its way, and `interrupts` if it may interrupt what was flown.
+    pub(crate) fn inserts(&mut self, insert: BehaviorId, known: bool, interrupts: bool) {
+        let other = self.foreign.is_some_and(|foreign| foreign != insert);
+        self.left_foreign |= other && (!known || interrupts);
+        self.foreign = (!known).then_some(insert);
+    }
+
+    /// Whether the vehicle may take up an insert again whose way core does not know.
+    pub(crate) const fn has_left_foreign(&self) -> bool {
+        self.left_foreign
+    }
+
     /// Whether the vehicle may have flown this behavior before, with a begin that nobody heard: it may then continue
     /// from there, and the place where it begins now says nothing about its way.
     pub(crate) fn may_have_begun_unheard(&self, flown: Flown) -> bool {
@@ -146,7 +167,7 @@ impl Courses {
         self.unknown();
         if let Flown::Planned(number) = flown {
             self.begun.clear();
-            self.left_plan = false;
+            self.plan_goes_on();
             self.missed = Missed::Only(number);
             self.resumed = Some(number);
         }
@@ -172,7 +193,7 @@ impl Courses {
     pub(crate) fn began(&mut self, now: Timestamp, flown: Flown, here: Option<Begin>) {
         if matches!(flown, Flown::Planned(_)) {
             self.begun.retain(|other, _| *other == flown);
-            self.left_plan = false;
+            self.plan_goes_on();
             self.missed = Missed::Nothing;
         }
         let begins = self.begun.entry(flown).or_default();
@@ -185,6 +206,13 @@ impl Courses {
         self.unplaced = here.is_none();
         self.on_line_since = None;
         (self.settled, self.level_since) = (false, None);
+    }
+
+    /// A behavior of the plan is flown: no insert is left to be taken up again.
+    const fn plan_goes_on(&mut self) {
+        self.left_plan = false;
+        self.left_foreign = false;
+        self.foreign = None;
     }
 
     /// Navigation has come: `here`, and `before` if it has jumped from there. What began around the jump began at
@@ -209,7 +237,7 @@ impl Courses {
     pub(crate) fn led_away(&mut self) {
         self.level_since = None;
         self.on_line_since = None;
-        self.along.clear();
+        self.forget_along();
     }
 
     /// Takes the vehicle's speed over ground, m/s. It counts while the vehicle flies its plan.
@@ -257,19 +285,31 @@ impl Courses {
         (self.settled, self.level_since) = (false, None);
     }
 
-    fn unplace(&mut self) {
-        self.along.clear();
+    /// Whatever was seen of what is flown no longer counts.
+    pub(crate) fn unplace(&mut self) {
+        self.forget_along();
         self.placed.clear();
     }
 
+    fn forget_along(&mut self) {
+        self.along.clear();
+        self.ahead.clear();
+    }
+
     /// Nobody has heard what is flown, and nothing of ours steers: the vehicle moves along lines of these planned
-    /// behaviors. Returns true once it has done so for long enough to show that it flies its plan.
-    pub(crate) fn keeps_to(&mut self, now: Timestamp, along: &[u32]) -> bool {
+    /// behaviors, and lines of those are `ahead` of it. Returns true once it has moved along for long enough to show that
+    /// it flies its plan.
+    pub(crate) fn keeps_to(&mut self, now: Timestamp, along: &[u32], ahead: impl IntoIterator<Item = u32>) -> bool {
         let since = |number: &u32| {
             let before = self.along.iter().find(|(along, _)| along == number);
             (*number, before.map_or(now, |(_, since)| *since))
         };
         self.along = along.iter().map(since).collect();
+        if self.along.is_empty() {
+            self.ahead.clear();
+        } else {
+            self.ahead.extend(ahead);
+        }
         self.along.iter().any(|(_, since)| now.since(*since) >= ON_LINE_FOR)
     }
 
@@ -284,8 +324,32 @@ impl Courses {
         }
         self.placed = seen.iter().map(|sighting| sighting.number).collect();
         self.begun = begun;
-        self.left_plan = false;
+        self.plan_goes_on();
         self.missed = Missed::Nothing;
+    }
+
+    /// The planned behaviors of which a line was ahead while the vehicle moved along others, or that it may have been
+    /// about to come back to before.
+    pub(crate) fn may_come_to(&self) -> impl Iterator<Item = u32> + '_ {
+        self.ahead.iter().copied().chain(self.begun_numbers())
+    }
+
+    fn begun_numbers(&self) -> impl Iterator<Item = u32> + '_ {
+        self.begun.keys().filter_map(|flown| match flown {
+            Flown::Planned(number) => Some(*number),
+            Flown::Inserted(_) => None,
+        })
+    }
+
+    /// Where the planned behaviors may have begun, with their numbers.
+    pub(crate) fn begun_of_plan(&self) -> impl Iterator<Item = (u32, Begin)> + '_ {
+        self.begun.iter().flat_map(|(flown, begins)| {
+            let number = match flown {
+                Flown::Planned(number) => Some(*number),
+                Flown::Inserted(_) => None,
+            };
+            begins.iter().filter_map(move |begin| Some((number?, *begin)))
+        })
     }
 
     /// Whether the vehicle surely flies its plan: core has heard it begin, or has seen the vehicle on its lines alone.
@@ -324,7 +388,7 @@ impl Courses {
         self.begun.clear();
         self.depths_m = None;
         self.seen_mps = 0.0;
-        self.left_plan = false;
+        self.plan_goes_on();
         self.missed = Missed::Nothing;
         self.unknown();
     }
@@ -402,12 +466,34 @@ pub(crate) fn is_on((start, end): (EastNorth, EastNorth), here: EastNorth, veloc
         && dot(velocity, along) >= ALONG * speed_mps
 }
 
-/// Whether the vehicle moves towards a place.
-pub(crate) fn leads_to(here: EastNorth, velocity: EastNorth, place: EastNorth) -> bool {
-    let (to, left_m) = (place - here, here.distance_m(place));
+/// Whether the vehicle moves towards a line, or a place: whether it lies, somewhere, in the region that begins `within_m`
+/// behind the vehicle, is as wide to each side there, and widens ahead by 15 degrees.
+pub(crate) fn leads_to(
+    here: EastNorth,
+    velocity: EastNorth,
+    (start, end): (EastNorth, EastNorth),
+    within_m: f64,
+) -> bool {
     let speed_mps = hypot(velocity.east_m, velocity.north_m);
-    let ahead = to.east_m * velocity.east_m + to.north_m * velocity.north_m;
-    left_m > 0.0 && ahead >= ALONG * speed_mps * left_m
+    let along = velocity * (1.0 / speed_mps);
+    // How far a place is inside each of the three edges of the region, metres.
+    let inside = |place: EastNorth| {
+        let to = place - here;
+        let ahead_m = to.east_m * along.east_m + to.north_m * along.north_m + within_m;
+        let right_m = to.east_m * along.north_m - to.north_m * along.east_m;
+        let half_m = within_m + WIDENS * ahead_m;
+        [ahead_m, half_m - right_m, half_m + right_m]
+    };
+    let (mut from, mut to) = (0.0, 1.0);
+    for (start_m, end_m) in inside(start).into_iter().zip(inside(end)) {
+        match (start_m >= 0.0, end_m >= 0.0) {
+            (true, true) => {}
+            (true, false) => to = f64::min(to, start_m / (start_m - end_m)),
+            (false, true) => from = f64::max(from, start_m / (start_m - end_m)),
+            (false, false) => return false,
+        }
+    }
+    from <= to
 }
 
 #[cfg(test)]
@@ -444,10 +530,11 @@ mod tests {
         assert!(courses.is_placed_on(Flown::Planned(1)));
 
         let mut unheard = Courses::default();
-        assert!(!unheard.keeps_to(after(1), &[1]));
+        assert!(!unheard.keeps_to(after(1), &[1], [3]));
         unheard.led_away();
-        assert!(!unheard.keeps_to(after(12), &[1]));
-        assert!(unheard.keeps_to(after(22), &[1]));
+        assert!(!unheard.keeps_to(after(12), &[1], [2]));
+        assert!(unheard.keeps_to(after(22), &[1], []));
+        assert_eq!(unheard.may_come_to().collect::<Vec<_>>(), [2]);
     }
 
     #[test]
@@ -475,17 +562,17 @@ mod tests {
         let at = |seconds: u64| Timestamp::from_millis(1000 * seconds);
         let mut courses = Courses::default();
         // Ten seconds on the two paths, but on neither of them for that long.
-        assert!(!courses.keeps_to(at(0), &[2]));
-        assert!(!courses.keeps_to(at(5), &[2, 3]));
-        assert!(!courses.keeps_to(at(8), &[3]));
-        assert!(!courses.keeps_to(at(14), &[2, 3]));
-        assert!(courses.keeps_to(at(15), &[2, 3]));
+        assert!(!courses.keeps_to(at(0), &[2], []));
+        assert!(!courses.keeps_to(at(5), &[2, 3], []));
+        assert!(!courses.keeps_to(at(8), &[3], []));
+        assert!(!courses.keeps_to(at(14), &[2, 3], []));
+        assert!(courses.keeps_to(at(15), &[2, 3], []));
         courses.invalidate_after_loss();
-        assert!(!courses.keeps_to(at(16), &[3]));
-        assert!(!courses.keeps_to(at(20), &[]));
-        assert!(!courses.keeps_to(at(26), &[3]));
+        assert!(!courses.keeps_to(at(16), &[3], []));
+        assert!(!courses.keeps_to(at(20), &[], []));
+        assert!(!courses.keeps_to(at(26), &[3], []));
         courses.began(at(30), Flown::Planned(3), None);
-        assert!(!courses.keeps_to(at(36), &[3]));
+        assert!(!courses.keeps_to(at(36), &[3], []));
     }
 
     #[test]
@@ -512,12 +599,46 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_leads_to_what_lies_ahead_of_it() {
+    fn sr_002_a_vehicle_leads_to_what_lies_ahead_of_it_or_close_aside() {
         let here = at(10.0, 0.0);
-        assert!(leads_to(here, at(1.5, 0.3), at(100.0, 0.0)));
-        assert!(!leads_to(here, at(1.5, 0.5), at(100.0, 0.0)));
-        assert!(!leads_to(here, at(1.5, 0.0), at(0.0, 0.0)));
-        assert!(!leads_to(here, at(1.5, 0.0), here));
+        let east = at(1.5, 0.0);
+        let leads_to = |velocity, line| leads_to(here, velocity, line, 5.0);
+        let place = |east_m, north_m| (at(east_m, north_m), at(east_m, north_m));
+        assert!(leads_to(at(1.5, 0.3), place(100.0, 0.0)));
+        assert!(!leads_to(at(1.5, 0.7), place(100.0, 0.0)));
+        // Ahead and slightly aside, and just passed.
+        assert!(
+            leads_to(east, place(12.0, 5.0)) && leads_to(east, place(6.0, 0.0)) && leads_to(east, place(10.0, 0.0))
+        );
+        assert!(!leads_to(east, place(12.0, 8.0)) && !leads_to(east, place(4.0, 0.0)));
+        // A line that crosses the way far ahead, one beside it, and one behind.
+        assert!(leads_to(east, (at(500.0, -300.0), at(500.0, 300.0))));
+        assert!(!leads_to(east, (at(10.0, 50.0), at(100.0, 50.0))));
+        assert!(!leads_to(east, (at(-5.0, -300.0), at(-5.0, 300.0))));
+        assert!(!leads_to(at(0.0, 0.0), place(100.0, 0.0)), "it stands still");
+    }
+
+    #[test]
+    fn sr_002_an_insert_of_unknown_way_that_another_one_may_have_interrupted_may_be_taken_up_again() {
+        let id = BehaviorId::new;
+        let after = |begins: &[(u32, bool, bool)]| {
+            let mut courses = Courses::default();
+            for (insert, known, interrupts) in begins {
+                courses.inserts(id(*insert), *known, *interrupts);
+            }
+            courses
+        };
+        assert!(!after(&[(40, false, true)]).has_left_foreign());
+        assert!(!after(&[(40, false, true), (40, false, true)]).has_left_foreign());
+        assert!(after(&[(40, false, true), (41, false, true)]).has_left_foreign());
+        assert!(!after(&[(40, false, true), (1, true, false)]).has_left_foreign());
+        assert!(after(&[(40, false, true), (1, true, true)]).has_left_foreign());
+        assert!(!after(&[(1, true, true), (2, true, true)]).has_left_foreign());
+        let mut courses = after(&[(40, false, true), (41, false, true)]);
+        courses.began(Timestamp::default(), Flown::Inserted(id(41)), None);
+        assert!(courses.has_left_foreign());
+        courses.began(Timestamp::default(), Flown::Planned(1), None);
+        assert!(!courses.has_left_foreign());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Which dive the vehicle flies. A plan belongs to the dive file for which the vehicle reported it (SPI 6.9, 6.11;
 //! safety requirement 025).
 
+use crate::control::Newest;
 use crate::refusal::Uncontrolled;
 use backseat_spi::Text;
 
@@ -19,6 +20,8 @@ pub(crate) struct Dive {
     may_follow: Option<NamedBy>,
     /// A kind of message has named another file at least once.
     has_changed: bool,
+    /// The newest message that has named another file. What was made before it belongs to the dive before.
+    pub(crate) changed: Newest,
     /// The file is another one now, and its plan is not complete yet.
     plan_due: bool,
 }

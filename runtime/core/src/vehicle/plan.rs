@@ -169,7 +169,7 @@ impl Plan {
         let Some(elements) = collected.filter(|elements| whole && !elements.is_empty()) else {
             return false;
         };
-        self.elements = elements;
+        self.elements = joined(elements);
         self.complete = true;
         if let Some(number) = self.current.filter(|number| !self.names(*number))
             && self.lacks.len() < LACKS_MAX
@@ -314,6 +314,17 @@ impl Plan {
         self.at().iter().filter_map(next).collect()
     }
 
+    /// Where the vehicle may go on after an insert: to the first points of what comes after the current element, or, if the
+    /// insert was flown between two legs of that, to the next of them (SPI 7.5).
+    pub(crate) fn goes_on_to(&self) -> Vec<EastNorth> {
+        let legs = self
+            .flown()
+            .flat_map(|element| element.legs().skip(1).map(|(start, _)| start));
+        let mut to = self.next_points();
+        to.extend(legs);
+        to
+    }
+
     /// All elements, the inserts included.
     pub(crate) fn elements(&self) -> impl Iterator<Item = &Element> {
         self.elements.iter()
@@ -323,6 +334,28 @@ impl Plan {
     pub(crate) fn len(&self) -> usize {
         self.elements.len()
     }
+}
+
+/// Joins the elements of each behavior of the plan. The plan may name an insert between two of them.
+fn joined(elements: Vec<Element>) -> Vec<Element> {
+    let mut joined: Vec<Element> = Vec::new();
+    for element in elements {
+        let planned = element.identifier.is_none() && element.number.is_some();
+        let before = joined.iter_mut().rev().find(|before| before.identifier.is_none());
+        match before.filter(|before| planned && before.number == element.number) {
+            Some(before) => {
+                before.points.extend(element.points);
+                before.circles |= element.circles;
+                for kind in element.kinds {
+                    if !before.kinds.contains(&kind) {
+                        before.kinds.push(kind);
+                    }
+                }
+            }
+            None => joined.push(element),
+        }
+    }
+    joined
 }
 
 #[cfg(test)]

@@ -115,6 +115,7 @@ impl PreviousRun {
         self.is_still_flown_after_end()
             || self.inserted
                 && (!self.heard
+                    || !self.left.is_empty()
                     || current.is_some_and(|current| self.includes(current))
                     || plan.others(|identifier| !self.includes(identifier)).next().is_some())
     }
@@ -163,5 +164,29 @@ impl PreviousRun {
     /// Whether an identifier is a previous run's.
     pub(crate) fn includes(&self, identifier: BehaviorId) -> bool {
         self.identifiers.contains(&identifier.get())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sr_002_an_insert_of_a_previous_run_that_an_incomplete_plan_names_may_be_flown() {
+        let mut run = PreviousRun::new(Some(Identifiers {
+            first: 1,
+            next: 5,
+            reserved: 5,
+            inserts: 2,
+            ..Identifiers::default()
+        }));
+        let plan = Plan::default();
+        assert!(run.may_fly(None, &plan));
+        run.heard_begin(None, "trackline", None);
+        assert!(!run.may_fly(None, &plan));
+        assert!(run.named(BehaviorId::new(3)));
+        assert!(run.may_fly(None, &plan));
+        run.heard_end(Some(BehaviorId::new(3)));
+        assert!(!run.may_fly(None, &plan));
     }
 }

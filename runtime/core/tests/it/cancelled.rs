@@ -62,8 +62,9 @@ fn sr_002_after_the_unanswered_cancels_of_a_hold() {
     let left = asked_after(|trial| {
         trial.vehicle.replies.insert("RCN", Reply::Silent);
         trial.operator(Operator::Hold);
-        trial.run_for(60.0);
+        trial.run_for(3.0);
         trial.vehicle.inserted.clear();
+        trial.run_for(60.0);
         trial.operator(Operator::Release);
         trial.run_for(1.0);
     });

@@ -319,6 +319,7 @@ fn sr_001_a_mission_command_that_cannot_be_read_may_have_taken_control_away() {
         let mut trial = steering_by_mission_command();
         hear_line(&mut trial, line);
         assert!(!trial.core.has_control() && !trial.core.is_steering(), "{line}");
+        trial.run_for(1.0);
         says(&mut trial, "backseat go");
         assert!(trial.core.has_control(), "{line}");
         // With another hook it says nothing about control.

@@ -321,7 +321,7 @@ fn the_runtimes_own_cancel_is_sent_five_times_at_most_if_it_is_not_answered() {
         assert_eq!(pair[1].since(pair[0]), Duration::from_secs(least_s));
     }
     let given_up =
-        |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("did not answer 5"));
+        |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("carried out none of 5"));
     assert_eq!(trial.notes().iter().filter(|note| given_up(note)).count(), 1);
     let trial = failing(Reply::Late(Duration::from_millis(1800), AckStatus::Succeeded));
     assert_eq!(trial.commands("RCN").len(), 1);

@@ -180,12 +180,13 @@ impl Inserts {
     }
 
     fn is_undecided(&self, cx: &Context, insert: u64) -> bool {
-        cx.ledger.get(insert).is_some_and(|entry| {
+        let open = cx.ledger.get(insert);
+        open.is_some_and(|entry| {
             matches!(
                 entry.state,
                 RequestState::Sent | RequestState::Pending | RequestState::Unknown
             )
-        })
+        }) || cx.ledger.may_wait(insert)
     }
 
     fn again_later(&mut self, cx: &mut Context, insert: u64) {
@@ -197,7 +198,9 @@ impl Inserts {
         } else {
             self.forget_recall(cx, insert);
             cx.note(Note::Text {
-                text: format!("insert {insert} may still be flown: the vehicle did not answer {SENT_MAX} cancels"),
+                text: format!(
+                    "insert {insert} may still be flown: the vehicle has carried out none of {SENT_MAX} cancels"
+                ),
             });
         }
     }

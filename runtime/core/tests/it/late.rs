@@ -1,19 +1,24 @@
+//! Messages and answers that come late, come again, or do not come.
+
+use backseat_core::Settings;
 use backseat_core::plugin::Request;
-use backseat_core::{ControlHook, Settings};
 use backseat_spi::{AckStatus, BackseatControl, MissionCommand, Text};
 
 use crate::course::modify;
 use crate::trial::{Setup, Trial, settings};
 
 fn mission_command(trial: &Trial, text: &str) -> MissionCommand {
-    MissionCommand { created: trial.vehicle.clock(trial.now), text: Text::cleaned(text) }
+    MissionCommand {
+        created: trial.vehicle.clock(trial.now),
+        text: Text::cleaned(text),
+    }
 }
 
 const DAMAGED: &[u8] = b"$BFCTL,081025.987,0*00\r\n";
 
-/// A repeated older release overrules the operator's newer hold.
+/// The release from before the operator's hold comes again.
 #[test]
-fn audit2_f_an_older_release_overrules_a_newer_hold() {
+fn sr_015_an_older_release_does_not_overrule_a_newer_hold() {
     let mut trial = Trial::with_under_way(Setup {
         settings: Settings {
             hold_text: Some("hold".to_owned()),
@@ -36,10 +41,13 @@ fn audit2_f_an_older_release_overrules_a_newer_hold() {
 
 /// The revocation is damaged; the grant before it comes again, late. The vehicle does not tell its state.
 #[test]
-fn audit2_h_an_older_grant_overrules_a_damaged_revocation() {
+fn sr_001_an_older_grant_does_not_overrule_a_damaged_revocation() {
     let mut trial = Trial::under_way();
     trial.vehicle.replays = false;
-    let granted = BackseatControl { created: trial.vehicle.clock(trial.now), granted: true };
+    let granted = BackseatControl {
+        created: trial.vehicle.clock(trial.now),
+        granted: true,
+    };
     trial.hear_now([granted.clone().into()]);
     trial.run_for(2.0);
     trial.vehicle.control = false;
@@ -53,7 +61,7 @@ fn audit2_h_an_older_grant_overrules_a_damaged_revocation() {
 
 /// An older BFMIS comes again after a newer one that says that the mission is over.
 #[test]
-fn audit2_i_an_older_running_overrules_a_newer_end() {
+fn sr_001_an_older_status_does_not_overrule_a_newer_one_that_ends_the_mission() {
     let mut trial = Trial::steering();
     let status = |trial: &Trial, status: &str| backseat_spi::MissionStatus {
         created: trial.vehicle.clock(trial.now),
@@ -75,7 +83,7 @@ fn audit2_i_an_older_running_overrules_a_newer_end() {
 
 /// The answer to the first cancel is lost, and the second is refused because the insert is gone.
 #[test]
-fn audit2_k_a_cancelled_insert_stays_open_for_ever() {
+fn sr_009_a_cancelled_insert_whose_answer_was_lost_is_over_once_the_plan_lacks_it() {
     let mut trial = Trial::under_way();
     trial.ask(0, [crate::course::good_line(2)]);
     trial.run_for(1.0);
@@ -95,7 +103,7 @@ fn audit2_k_a_cancelled_insert_stays_open_for_ever() {
 
 /// The vehicle refuses an insert, and accepts it after all; that answer is lost. Its plan names the insert.
 #[test]
-fn audit2_l_a_refused_insert_that_the_plan_names_counts() {
+fn sr_009_a_refused_insert_that_the_plan_names_is_cancelled() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", crate::vehicle::Reply::Refuse);
     trial.ask(0, [crate::course::good_line(2)]);
@@ -104,25 +112,30 @@ fn audit2_l_a_refused_insert_that_the_plan_names_counts() {
     let at = trial.now;
     trial.vehicle.inserted.insert(1);
     let now = trial.now;
-    trial.vehicle.set_status(now, "Stopped");
+    trial.vehicle.set_status(now, "Paused");
     trial.run_for(1.0);
     let now = trial.now;
     trial.vehicle.set_status(now, "Running");
     trial.run_for(5.0);
     assert!(trial.core.has_control());
-    println!("{:?}", trial.names_since(at));
     assert!(!trial.sent_since("RCN", at).is_empty(), "it is not called back");
 }
 
-/// As l, with inserts that interrupt (safety requirement 010).
+/// The same with inserts that interrupt. The refused one cannot be cancelled, because it has begun.
 #[test]
-fn audit2_m_an_insert_that_interrupts_beside_a_refused_one_that_the_plan_names() {
+fn sr_010_nothing_interrupts_beside_a_refused_insert_that_the_plan_names() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", crate::vehicle::Reply::Refuse);
     trial.ask(0, [crate::course::interrupting(2)]);
     trial.run_for(1.5);
-    assert_eq!((trial.sent("RTK").len(), trial.core.open_requests()), (1, 0), "{:?}", trial.states(2));
+    assert_eq!(
+        (trial.sent("RTK").len(), trial.core.open_requests()),
+        (1, 0),
+        "{:?}",
+        trial.states(2)
+    );
     trial.vehicle.replies.remove("RTK");
+    trial.vehicle.replies.insert("RCN", crate::vehicle::Reply::Refuse);
     // The vehicle has it all the same: it is queued, and the plan names it.
     trial.vehicle.inserted.insert(1);
     let now = trial.now;
@@ -131,15 +144,14 @@ fn audit2_m_an_insert_that_interrupts_beside_a_refused_one_that_the_plan_names()
     let now = trial.now;
     trial.vehicle.begin(now, Some(1), None);
     trial.run_for(2.0);
-    println!("{} {:?}", trial.sent("RMP").len(), trial.notes().into_iter().rev().take(3).collect::<Vec<_>>());
     trial.ask(0, [crate::course::interrupting(3)]);
     trial.run_for(2.0);
     assert_eq!(trial.sent("RTK").len(), 1, "{:?}", trial.states(3));
 }
 
-/// A late BFMBS of the dive before counts for the new dive.
+/// A BFMBS of the dive before comes after the BFMIS of the new one.
 #[test]
-fn audit2_p_a_late_begin_of_the_dive_before() {
+fn sr_025_a_late_begin_of_the_dive_before_is_not_one_of_the_new_dive() {
     let mut trial = Trial::under_way();
     let status = |trial: &Trial, file: &str| backseat_spi::MissionStatus {
         created: trial.vehicle.clock(trial.now),
@@ -163,12 +175,15 @@ fn audit2_p_a_late_begin_of_the_dive_before() {
     trial.run_for(3.0);
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(1.0);
-    assert!(!trial.core.is_steering(), "nobody heard a behavior of the new dive begin");
+    assert!(
+        !trial.core.is_steering(),
+        "nobody heard a behavior of the new dive begin"
+    );
 }
 
-/// Control of p: without the late begin, nothing steers.
+/// For comparison.
 #[test]
-fn audit2_p2_without_the_late_begin() {
+fn nothing_steers_in_a_new_dive_before_a_behavior_begins() {
     let mut trial = Trial::under_way();
     let other = backseat_spi::MissionStatus {
         created: trial.vehicle.clock(trial.now),
@@ -185,13 +200,15 @@ fn audit2_p2_without_the_late_begin() {
 
 /// Refused, then pending: the cancel is refused because the vehicle has not decided. It is not repeated.
 #[test]
-fn audit2_q_the_cancel_of_an_insert_accepted_after_its_refusal_is_not_repeated() {
+fn sr_009_the_cancel_of_an_insert_accepted_after_its_refusal_is_repeated() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", crate::vehicle::Reply::Refuse);
     trial.vehicle.replies.insert("RCN", crate::vehicle::Reply::Refuse);
     trial.ask(0, [crate::course::good_line(2)]);
     trial.run_for(0.5);
-    let backseat_spi::ToVehicle::Trackline(line) = trial.commands("RTK").pop().unwrap().1 else { panic!() };
+    let backseat_spi::ToVehicle::Trackline(line) = trial.commands("RTK").pop().unwrap().1 else {
+        panic!()
+    };
     let at = trial.now;
     let ack = |status| ("RTK", line.created, Some(1), status);
     trial.vehicle.acknowledge(at, ack(AckStatus::Pending));
@@ -201,13 +218,17 @@ fn audit2_q_the_cancel_of_an_insert_accepted_after_its_refusal_is_not_repeated()
     trial.vehicle.acknowledge(now, ack(AckStatus::Succeeded));
     trial.vehicle.inserted.insert(1);
     trial.run_for(60.0);
-    assert!(trial.sent_since("RCN", at).len() > 1, "{:?}", trial.notes().into_iter().rev().take(4).collect::<Vec<_>>());
+    assert!(
+        trial.sent_since("RCN", at).len() > 1,
+        "{:?}",
+        trial.notes().into_iter().rev().take(4).collect::<Vec<_>>()
+    );
     assert!(trial.vehicle.inserted.is_empty());
 }
 
 /// The runtime's cancel under the hold: its first answer is lost, the second one is a refusal.
 #[test]
-fn audit2_t_a_held_insert_stays_open_and_blocks_interrupts() {
+fn sr_009_an_insert_cancelled_by_the_hold_is_over_once_the_plan_lacks_it() {
     let mut trial = Trial::under_way();
     trial.ask(0, [crate::course::good_line(2)]);
     trial.run_for(1.0);
@@ -224,4 +245,3 @@ fn audit2_t_a_held_insert_stays_open_and_blocks_interrupts() {
     trial.run_for(100.0);
     assert_eq!(trial.core.open_requests(), 0, "{:?}", trial.core.open_request_states());
 }
-

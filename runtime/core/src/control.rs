@@ -8,6 +8,8 @@ use crate::settings::ControlHook;
 /// another day, or the vehicle's clock was set.
 const OLDER_WITHIN: Duration = Duration::from_secs(60);
 
+const DAY_NANOS: i64 = 86_400_000_000_000;
+
 /// The newest message of a kind that has ended or stopped something: when the vehicle made it, and when it came. A message
 /// that allows something again does not count if it was made before.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,6 +21,14 @@ impl Newest {
     pub(crate) fn is_after(&self, now: Timestamp, created: TimeOfDay) -> bool {
         let newest = self.0.filter(|(_, heard)| now.since(*heard) < OLDER_WITHIN);
         newest.is_some_and(|(newest, _)| created.nanos_since(newest) < 0)
+    }
+
+    /// The vehicle's clock was set by so many nanoseconds: what it writes from now on is that much later.
+    pub(crate) fn clock_set(&mut self, nanos: i64) {
+        if let Some((created, _)) = &mut self.0 {
+            let whole = DAY_NANOS + nanos % DAY_NANOS;
+            *created = *created + Duration::from_nanos(whole.unsigned_abs());
+        }
     }
 
     /// Such a message has come. It becomes the newest, unless it is older.
@@ -98,6 +108,13 @@ impl Control {
             return true;
         }
         !(self.stopped.is_after(now, created) || self.is_doubted(now, made))
+    }
+
+    /// The vehicle's clock was set by so many nanoseconds.
+    pub(crate) fn clock_set(&mut self, nanos: i64) {
+        for newest in [&mut self.revoked, &mut self.stopped, &mut self.held_by_text] {
+            newest.clock_set(nanos);
+        }
     }
 
     fn is_doubted(&self, now: Timestamp, made: Timestamp) -> bool {

@@ -5,6 +5,7 @@ use crate::moment::Moment;
 
 use crate::area::Area;
 use crate::delivery::Delivery;
+use crate::earth::Line;
 use crate::limits::{Activity, Truth};
 use crate::plan::Plan;
 use crate::plane::{Plane, Point};
@@ -22,6 +23,9 @@ const WAY_BACK: Duration = Duration::from_secs(300);
 const MARGIN_EVERY: Duration = Duration::from_secs(1);
 /// How much two frames, the decimals of the sentences and a moment of noise can take from a margin, metres.
 const MARGIN_SLACK_M: f64 = 1.0;
+/// How much further than the error of its estimate the vehicle's newest position may be from the true one, metres: it may be
+/// some seconds old, and a correction may have come since.
+const APART_MAX_M: f64 = 500.0;
 /// How far the true depth may be outside the zone's band, metres.
 const DEPTH_SLACK_M: f64 = 1.0;
 /// For so long after a cancel of ours, the vehicle's position is its consequence.
@@ -159,7 +163,7 @@ impl Conduct {
         self.judged += 1;
         self.judge_whereabouts((at, truth), commanded, context, findings);
         if matches!(truth.activity, Activity::Insert(_)) {
-            self.judge_margin(at, context, findings);
+            self.judge_margin((at, truth), context, findings);
         }
     }
 
@@ -264,8 +268,13 @@ impl Conduct {
 
     /// Judges the vehicle's estimate of its position while it flies an insert. A correction of navigation moves the
     /// estimate at once, by no more than its error against the truth.
-    fn judge_margin(&mut self, at: Moment, context: &Context<'_>, findings: &mut Findings) {
+    fn judge_margin(&mut self, (at, truth): (Moment, &Truth), context: &Context<'_>, findings: &mut Findings) {
         let Some(fix) = context.believed else { return };
+        let apart_m = Line::between(truth.position, fix.position).length_m();
+        if apart_m > self.astray_m + APART_MAX_M {
+            // The vehicle believes nothing of the kind: the sentence was damaged so that its checksum is still right.
+            return;
+        }
         let recent = |judged: Moment| at.since(judged) < MARGIN_EVERY;
         // The true position is no further from the estimate than the error.
         if self.margin_judged.is_some_and(recent)

@@ -113,6 +113,8 @@ impl Core {
         if let Some(step) = cx.vehicle.navigation.measured(heard.trip, utc, ack.created) {
             let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
             cx.note(Note::Navigation { text });
+            cx.control.clock_set(-step);
+            cx.vehicle.dive.changed.clock_set(-step);
             self.capabilities.end_leases(cx, EndCause::ClockSet);
         }
         if heard.good {

@@ -307,3 +307,22 @@ fn sr_025_a_plan_that_is_refused_is_asked_for_at_most_six_times_a_minute() {
         assert!(pair[6].since(pair[0]) >= Duration::from_secs(60), "{asked:?}");
     }
 }
+
+/// The vehicle's clock is set forward, another dive begins, and the clock is set back. What begins then belongs to the new dive.
+#[test]
+fn a_clock_that_is_set_forth_and_back_around_another_dive_hides_no_begin() {
+    let mut trial = Trial::under_way();
+    trial.hear_now([status_of(&trial, "survey.dive")]);
+    trial.run_for(1.0);
+    trial.vehicle.clock_nanos += 42_000_000_000;
+    trial.run_for(2.0);
+    trial.hear_now([status_of(&trial, "other.dive")]);
+    trial.run_for(0.2);
+    trial.vehicle.clock_nanos -= 42_000_000_000;
+    trial.run_for(3.0);
+    trial.hear_now([begin_of(&trial, "other", 1)]);
+    trial.run_for(15.0);
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(1.0);
+    assert!(trial.core.is_steering(), "{:?}", trial.states(1));
+}

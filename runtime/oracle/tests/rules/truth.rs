@@ -144,6 +144,8 @@ fn requirement_002_under_an_insert_the_believed_position_keeps_the_margins() {
     believes("4200.300,N,07000.0130,W")
         .error(2900, 0.5)
         .finds(&["insert-margin"]);
+    // Two flipped bits can put the latitude four degrees away and leave the checksum right.
+    believes("4600.300,N,07000.0130,W").finds_nothing();
     // A position that is no longer sent does not count as believed.
     believes("4200.300,N,07000.0130,W")
         .navigation(2000, false)

@@ -343,6 +343,19 @@ fn a_way_alone_is_judged_at_the_depth_now_or_at_the_depths_given() {
         envelope.judge_way_onto(onto, &surfacing(Some(400.0))).unwrap(),
         clearance_m(&envelope, solids(), beside_m(2.6) + climb_m),
     );
+    // Where it began is known within 30 m.
+    let approach = Track::Approach(Approach {
+        begun: at(700.0, 300.0),
+        within_m: 30.0,
+        to: [at(1000.0, 300.0); 2],
+    });
+    let from = at(900.0, 0.0);
+    near(
+        envelope
+            .judge_way_onto((End::At(from), &approach), &passage(Some(400.0)))
+            .unwrap(),
+        clearance_m(&envelope, approach.onto(&[from]), beside_m(2.6) + 30.0),
+    );
     // A straight way of 400 m around its end, and one by way of a line, at most 500 m, around its beginning.
     let least_m = 20.0 + 2.0 + 0.1 * (at(1000.0, 0.0).distance_m(at(-400.0, -300.0)) + 400.0 + beside_m(2.6));
     passes_from(least_m, 1e-3, |water_m| {

@@ -31,11 +31,13 @@ impl Newest {
         }
     }
 
-    /// Such a message has come. It becomes the newest, unless it is older.
+    /// Such a message has come. It becomes the newest, unless it is older; then the newest counts from now on.
     pub(crate) fn hear(&mut self, now: Timestamp, created: TimeOfDay) {
-        if !self.is_after(now, created) {
-            self.0 = Some((created, now));
-        }
+        let created = match self.0 {
+            Some((newest, _)) if self.is_after(now, created) => newest,
+            _ => created,
+        };
+        self.0 = Some((created, now));
     }
 }
 
@@ -49,7 +51,8 @@ pub(crate) struct Control {
     pub(crate) handed_over: Option<bool>,
     /// The newest message of this connection that took control away.
     revoked: Newest,
-    /// The newest BFMIS of this connection with another status than `Running`.
+    /// The newest BFMIS of this connection with the status `Running`, and the newest with another.
+    ran: Newest,
     stopped: Newest,
     /// The newest BFMSC whose text held.
     pub(crate) held_by_text: Newest,
@@ -84,7 +87,8 @@ impl Control {
     pub(crate) fn forget(&mut self) {
         self.handed_over = None;
         self.running = None;
-        (self.revoked, self.stopped, self.doubted) = (Newest::default(), Newest::default(), None);
+        (self.revoked, self.ran, self.stopped) = Default::default();
+        self.doubted = None;
     }
 
     /// A BFCTL, or a BFMSC with one of the texts for it. One that gives control does not count if the vehicle made it before the newest one that took control
@@ -101,18 +105,25 @@ impl Control {
     }
 
     /// The same for a BFMIS: it does not count if it says `Running` and was made before the newest one that says something
-    /// else.
+    /// else, or the other way round.
     pub(crate) fn mission(&mut self, now: Timestamp, (created, made): (TimeOfDay, Timestamp), running: bool) -> bool {
-        if !running {
-            self.stopped.hear(now, created);
-            return true;
-        }
-        !(self.stopped.is_after(now, created) || self.is_doubted(now, made))
+        let (this, other) = if running {
+            (&mut self.ran, self.stopped)
+        } else {
+            (&mut self.stopped, self.ran)
+        };
+        this.hear(now, created);
+        !(other.is_after(now, created) || running && self.is_doubted(now, made))
     }
 
     /// The vehicle's clock was set by so many nanoseconds.
     pub(crate) fn clock_set(&mut self, nanos: i64) {
-        for newest in [&mut self.revoked, &mut self.stopped, &mut self.held_by_text] {
+        for newest in [
+            &mut self.revoked,
+            &mut self.ran,
+            &mut self.stopped,
+            &mut self.held_by_text,
+        ] {
             newest.clock_set(nanos);
         }
     }

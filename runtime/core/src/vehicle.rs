@@ -12,6 +12,7 @@ pub(crate) mod relative;
 
 use backseat_units::LocalFrame;
 
+use crate::control::Newest;
 use crate::io::Identifiers;
 use crate::monitor::envelope::Suspended;
 use crate::monitor::limits::Limits;
@@ -34,6 +35,8 @@ pub(crate) struct Vehicle {
     pub(crate) relative: Track<RelativeSample>,
     pub(crate) cartesian: Track<CartesianSample>,
     pub(crate) dive: Dive,
+    /// The newest BFMBS or BFMBE of this connection.
+    pub(crate) behaviors: Newest,
     pub(crate) plan: Plan,
     pub(crate) compared: Compared,
     /// The phase of its mission.
@@ -58,6 +61,7 @@ impl Vehicle {
             relative: Track::new(limits, station.is_some_and(|station| station.hull_box.is_some())),
             cartesian: Track::new(limits, station.is_some_and(|station| station.bottom_box.is_some())),
             dive: Dive::default(),
+            behaviors: Newest::default(),
             plan: Plan::default(),
             compared: Compared::default(),
             phase: Phase::default(),
@@ -74,7 +78,15 @@ impl Vehicle {
         self.navigation.reset();
         self.relative.reset();
         self.cartesian.reset();
+        self.behaviors = Newest::default();
+        self.dive.connected();
         self.forget_plan();
+    }
+
+    /// The vehicle's clock was set by so many nanoseconds.
+    pub(crate) fn clock_set(&mut self, nanos: i64) {
+        self.behaviors.clock_set(nanos);
+        self.dive.clock_set(nanos);
     }
 
     /// Forgets the plan, and whether it is the expected one.

@@ -1,6 +1,6 @@
 //! The behaviors that the vehicle begins and ends (SPI 6.9, 6.10), and what follows from that.
 
-use backseat_spi::{BehaviorBegin, BehaviorEnd, BehaviorId};
+use backseat_spi::{BehaviorBegin, BehaviorEnd, BehaviorId, Text};
 use backseat_units::TimeOfDay;
 
 use super::{Core, course};
@@ -14,8 +14,8 @@ use crate::vehicle::dive::NamedBy;
 
 impl Core {
     pub(super) fn behavior_began(&mut self, message: BehaviorBegin) {
-        if self.cx.vehicle.dive.changed.is_after(self.cx.now, message.created) {
-            return self.of_dive_before(message.created);
+        if self.is_out_of_order(message.created, &message.dive_file) {
+            return self.out_of_order(message.created, message.identifier);
         }
         // This comes first, because the behavior belongs to the dive that the message names.
         self.dive_named(NamedBy::Behavior, message.created, &message.dive_file);
@@ -99,8 +99,8 @@ impl Core {
     }
 
     pub(super) fn behavior_ended(&mut self, message: BehaviorEnd) {
-        if self.cx.vehicle.dive.changed.is_after(self.cx.now, message.created) {
-            return self.of_dive_before(message.created);
+        if self.is_out_of_order(message.created, &message.dive_file) {
+            return self.out_of_order(message.created, message.identifier);
         }
         self.cx.heard(message.created);
         self.cx.note_of_vehicle(Note::Behavior {
@@ -143,14 +143,26 @@ impl Core {
         tell_of_behavior(&mut self.cx.plugins, false, own, message.kind.as_str());
     }
 
-    /// A BFMBS or BFMBE was made before the vehicle named another dive. It is late, or the vehicle's clock was set. Nobody can
-    /// tell which, so it is unknown what is flown.
-    fn of_dive_before(&mut self, created: TimeOfDay) {
+    /// A BFMBS or BFMBE was made before a newer one, or before the vehicle named another dive. It is late, or the vehicle's
+    /// clock was set. Nobody can tell which, so it is unknown what is flown.
+    fn out_of_order(&mut self, created: TimeOfDay, identifier: Option<BehaviorId>) {
         self.cx.heard(created);
         self.cx.note_of_vehicle(Note::Text {
-            text: "a behavior of the dive before begins or ends: it is unknown what is flown".to_owned(),
+            text: "a behavior began or ended before one that was heard of: it is unknown what is flown".to_owned(),
         });
+        if let Some(identifier) = identifier {
+            course::may_have_begun(&mut self.cx, identifier);
+        }
         self.invalidate_after_loss();
+    }
+
+    /// Whether a BFMBS or BFMBE that comes now is out of order.
+    fn is_out_of_order(&mut self, created: TimeOfDay, dive_file: &Text) -> bool {
+        let now = self.cx.now;
+        let vehicle = &mut self.cx.vehicle;
+        let is_late = vehicle.behaviors.is_after(now, created) || vehicle.dive.is_before(now, created, dive_file);
+        vehicle.behaviors.hear(now, created);
+        is_late
     }
 
     /// Ends the inserts that had begun before this behavior. The vehicle flies one behavior at a time, so they are over

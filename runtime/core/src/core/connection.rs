@@ -1,5 +1,7 @@
 //! The link goes up and down, the plan comes, and acknowledgements complete round trips.
 
+use std::time::Duration;
+
 use backseat_spi::Acknowledgement;
 
 use super::Core;
@@ -13,6 +15,9 @@ use crate::refusal::Uncontrolled;
 use crate::session::commands::Answer;
 use crate::timer::Timer;
 use crate::vehicle::expected::Compared;
+
+/// If the plan names an insert that is over, core asks for it again after this time.
+const NAMED_AGAIN: Duration = Duration::from_secs(30);
 
 impl Core {
     pub(super) fn link_up(&mut self) {
@@ -101,6 +106,9 @@ impl Core {
         if cx.control.held && is_on(Check::HoldCancels) {
             capabilities.inserts.cancel_previous_run(cx);
         }
+        if cx.outlook().names_what_is_over() {
+            cx.timers.set_unless_set(Timer::Plan, cx.now + NAMED_AGAIN);
+        }
     }
 
     /// Completes the round trip that an acknowledgement ends, if it ends one.
@@ -114,7 +122,7 @@ impl Core {
             let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
             cx.note(Note::Navigation { text });
             cx.control.clock_set(-step);
-            cx.vehicle.dive.changed.clock_set(-step);
+            cx.vehicle.clock_set(-step);
             self.capabilities.end_leases(cx, EndCause::ClockSet);
         }
         if heard.good {

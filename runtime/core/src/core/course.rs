@@ -41,6 +41,14 @@ pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<Be
     }
 }
 
+/// An insert may have begun or ended, and its place in the order of behaviors is not known.
+pub(super) fn may_have_begun(cx: &mut Context, identifier: BehaviorId) {
+    if cx.ledger.sent(identifier).is_none() {
+        cx.vehicle.courses.leave_foreign();
+    }
+    inserted(cx, identifier);
+}
+
 /// The vehicle begins or ends an insert. Nobody may have heard it begin.
 fn inserted(cx: &mut Context, identifier: BehaviorId) {
     named(cx, identifier);

@@ -12,7 +12,7 @@ use crate::io::{Note, Operator};
 use crate::vehicle::dive::NamedBy;
 
 use crate::mutations::{Check, is_on};
-use crate::order::Condition;
+use crate::order::{Condition, Order};
 use crate::plugin::{CtdSample, Event, Topic};
 use crate::settings::ControlHook;
 use crate::timer::Timer;
@@ -166,9 +166,8 @@ impl Core {
             FromVehicle::TopsideMessage(message) => {
                 self.capabilities.topside.heard(&mut self.cx, &message);
                 let text = message.text.as_str();
-                self.orders.carry_out(
-                    &mut self.cx,
-                    &mut self.capabilities,
+                self.carry_out_text(
+                    message.created,
                     |when| matches!(when, Condition::TopsideMessage(awaited) if awaited == text),
                 );
                 self.capabilities.topside.tell(&mut self.cx, &message);
@@ -211,7 +210,7 @@ impl Core {
         if !self.cx.vehicle.dive.named(by, file) || !is_on(Check::DiveIdentity) {
             return;
         }
-        self.cx.vehicle.dive.changed.hear(self.cx.now, created);
+        self.cx.vehicle.dive.changed_by(self.cx.now, created);
         self.cx.note_of_vehicle(Note::Text {
             text: format!("the vehicle names another dive: {}", file.as_str().trim()),
         });
@@ -229,7 +228,9 @@ impl Core {
         self.cx.heard(message.created);
         let running = message.is_running();
         let when = (message.created, self.cx.when(message.created));
-        if !self.cx.control.mission(self.cx.now, when, running) {
+        let is_before_dive = self.cx.vehicle.dive.has_since_changed(self.cx.now, message.created);
+        let counts = self.cx.control.mission(self.cx.now, when, running);
+        if is_before_dive || !counts {
             // It is late, or the vehicle's clock was set. Nobody can tell which.
             self.cx.control.running = None;
             if self.cx.settings.control == ControlHook::Running {
@@ -239,9 +240,7 @@ impl Core {
             self.session.lost(self.cx.now);
             return;
         }
-        if !self.cx.vehicle.dive.changed.is_after(self.cx.now, message.created) {
-            self.dive_named(NamedBy::Status, message.created, &message.dive_file);
-        }
+        self.dive_named(NamedBy::Status, message.created, &message.dive_file);
         self.cx.note_of_vehicle(Note::Mission {
             status: message.status.as_str().trim().to_owned(),
         });
@@ -273,16 +272,7 @@ impl Core {
     fn mission_command(&mut self, message: &MissionCommand) {
         self.cx.heard(message.created);
         let text = message.text.as_str();
-        let held = self.cx.control.held;
-        let is_hold = self.cx.settings.hold_text.as_deref() == Some(text.trim());
-        if !is_hold && self.cx.control.held_by_text.is_after(self.cx.now, message.created) {
-            // It may be an earlier release, or an earlier order, that comes late or again.
-            self.cx.note_of_vehicle(Note::Text {
-                text: format!("mission command ignored, because it is older than the hold: {text}"),
-            });
-            return;
-        }
-        self.operator_by_text(text);
+        self.operator_by_text(message.created, text);
         if let ControlHook::MissionCommand { grant, revoke } = &self.cx.settings.control {
             let given = if text == grant {
                 Some(true)
@@ -298,14 +288,10 @@ impl Core {
         self.cx.note_of_vehicle(Note::Text {
             text: format!("mission command: {text}"),
         });
-        self.orders.carry_out(
-            &mut self.cx,
-            &mut self.capabilities,
+        self.carry_out_text(
+            message.created,
             |when| matches!(when, Condition::MissionCommand(command) if command.trim() == text.trim()),
         );
-        if is_hold || (self.cx.control.held && !held) {
-            self.cx.control.held_by_text.hear(self.cx.now, message.created);
-        }
         self.cx
             .plugins
             .tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
@@ -314,15 +300,48 @@ impl Core {
     /// The operator's hold and release, if the mission names texts for them: the only way to reach us under water. This
     /// comes before everything else that the text may mean, because a hold overrides everything (safety requirement
     /// 015).
-    fn operator_by_text(&mut self, text: &str) {
+    fn operator_by_text(&mut self, created: TimeOfDay, text: &str) {
         let is = |named: &Option<String>| named.as_deref() == Some(text.trim());
         let act = match (is(&self.cx.settings.hold_text), is(&self.cx.settings.release_text)) {
-            (true, _) => Operator::Hold,
+            (true, _) => {
+                self.cx.control.held_by_text.hear(self.cx.now, created);
+                Operator::Hold
+            }
+            (false, true) if self.is_before_hold(created) => return,
             (false, true) => Operator::Release,
             (false, false) => return,
         };
         self.orders.act(&mut self.cx, &mut self.capabilities, act);
         self.settle_control();
+    }
+
+    /// Carries out the policies for a text of the operator that the vehicle passed on, but not a release that is older than
+    /// the newest hold by text.
+    fn carry_out_text(&mut self, created: TimeOfDay, is_met: impl Fn(&Condition) -> bool) {
+        let policies = &self.cx.settings.policies;
+        let orders = |order: &Order| {
+            policies
+                .iter()
+                .any(|policy| policy.order == *order && is_met(&policy.when))
+        };
+        let (holds, releases) = (orders(&Order::Hold), orders(&Order::Release));
+        if holds {
+            self.cx.control.held_by_text.hear(self.cx.now, created);
+        }
+        let late = releases && self.is_before_hold(created);
+        self.orders.carry_out(&mut self.cx, &mut self.capabilities, |policy| {
+            is_met(&policy.when) && !(late && policy.order == Order::Release)
+        });
+    }
+
+    /// Whether a release was made before the newest hold by text: it comes late, or again.
+    fn is_before_hold(&mut self, created: TimeOfDay) -> bool {
+        let is_before = self.cx.control.held_by_text.is_after(self.cx.now, created);
+        if is_before {
+            let text = "the release is ignored, because the vehicle made it before the hold: send it again".to_owned();
+            self.cx.note(Note::Text { text });
+        }
+        is_before
     }
 
     fn ctd(&mut self, message: &Ctd) {

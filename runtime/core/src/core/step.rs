@@ -162,7 +162,9 @@ impl Core {
             }
         }
         if quarantined {
-            orders.carry_out(cx, capabilities, |when| matches!(when, Condition::PluginQuarantined));
+            orders.carry_out(cx, capabilities, |policy| {
+                matches!(policy.when, Condition::PluginQuarantined)
+            });
         }
     }
 }

@@ -40,18 +40,18 @@ impl Stale {
 }
 
 impl Orders {
-    /// Carries out the policies whose condition an event fulfils.
+    /// Carries out these policies.
     pub(crate) fn carry_out(
         &mut self,
         cx: &mut Context,
         capabilities: &mut Capabilities,
-        fulfilled: impl Fn(&Condition) -> bool,
+        is_due: impl Fn(&Policy) -> bool,
     ) {
         let due: Vec<Policy> = cx
             .settings
             .policies
             .iter()
-            .filter(|policy| fulfilled(&policy.when))
+            .filter(|policy| is_due(policy))
             .cloned()
             .collect();
         for Policy { when, order } in due {
@@ -87,6 +87,8 @@ impl Orders {
             acted: Some(now),
             ..stale
         });
-        self.carry_out(cx, capabilities, |when| stale.due(when).is_some_and(|at| at <= now));
+        self.carry_out(cx, capabilities, |policy| {
+            stale.due(&policy.when).is_some_and(|at| at <= now)
+        });
     }
 }

@@ -12,7 +12,6 @@ use crate::mutations::{Check, is_on};
 use crate::plugin::{NavigationSample, Refusal, RequestState};
 use crate::refusal::Reason;
 use crate::vehicle::course::{Begin, Flown, Sighting, WIDENS, leads_to};
-use crate::vehicle::plan::Element;
 
 impl Outlook<'_> {
     /// Where the vehicle was at the newest navigation, and how far it may have gone since.
@@ -217,11 +216,16 @@ impl Outlook<'_> {
             .saturating_add(u32::from(self.vehicle.previous_run.is_still_flown_after_end()))
     }
 
+    /// Whether the plan names an insert of this process that core believed to be over.
+    pub(crate) fn names_what_is_over(&self) -> bool {
+        self.others()
+            .any(|(identifier, _)| self.identifiers.is_ours(identifier))
+    }
+
     /// Whether the vehicle may still fly an insert of a previous run, or flies one that core believed to be over.
     pub(crate) fn previous_run_may_fly(&self) -> bool {
         let vehicle = self.vehicle;
-        let is_ours = |(identifier, _): (BehaviorId, &Element)| self.identifiers.is_ours(identifier);
-        self.others().any(is_ours)
+        self.names_what_is_over()
             || vehicle
                 .previous_run
                 .may_fly(vehicle.named_insert.current(), &vehicle.plan)

@@ -24,6 +24,9 @@ impl Outlook<'_> {
 
     /// Judges the way on from the last of our inserts: the element that comes next may be another one by now.
     pub(crate) fn judge_way_on(&self, insert: &Insert) -> Result<(), Refusal> {
+        if self.vehicle.courses.has_left_foreign() {
+            return Err(Refusal::from(Reason::TakenUpForeign).on_the_way_on());
+        }
         let Some(navigation) = self.vehicle.navigation.newest() else {
             return Ok(());
         };

@@ -147,6 +147,11 @@ impl Courses {
         self.foreign = (!known).then_some(insert);
     }
 
+    /// The vehicle may fly, or take up again, an insert whose way core does not know.
+    pub(crate) const fn leave_foreign(&mut self) {
+        self.left_foreign = true;
+    }
+
     /// Whether the vehicle may take up an insert again whose way core does not know.
     pub(crate) const fn has_left_foreign(&self) -> bool {
         self.left_foreign

@@ -4,6 +4,7 @@
 use crate::control::Newest;
 use crate::refusal::Uncontrolled;
 use backseat_spi::Text;
+use backseat_units::{TimeOfDay, Timestamp};
 
 /// The dive file as the vehicle last named it.
 ///
@@ -21,7 +22,7 @@ pub(crate) struct Dive {
     /// A kind of message has named another file at least once.
     has_changed: bool,
     /// The newest message that has named another file. What was made before it belongs to the dive before.
-    pub(crate) changed: Newest,
+    changed: Newest,
     /// The file is another one now, and its plan is not complete yet.
     plan_due: bool,
 }
@@ -51,6 +52,34 @@ impl Dive {
     /// Why we have no control after a change of the dive file.
     pub(crate) fn reason(&self) -> Option<Uncontrolled> {
         self.plan_due.then_some(Uncontrolled::DivePlanUnknown)
+    }
+
+    /// A message that was made at this time has named another file.
+    pub(crate) fn changed_by(&mut self, now: Timestamp, created: TimeOfDay) {
+        self.changed.hear(now, created);
+    }
+
+    /// The connection is new: it has brought no message about a dive yet.
+    pub(crate) fn connected(&mut self) {
+        self.changed = Newest::default();
+    }
+
+    /// The vehicle's clock was set by so many nanoseconds.
+    pub(crate) fn clock_set(&mut self, nanos: i64) {
+        self.changed.clock_set(nanos);
+    }
+
+    /// Whether a BFMBS or BFMBE that comes now, and names this file, is late and belongs to the dive before: it was made before
+    /// the message that named another file, and does not name another file itself.
+    pub(crate) fn is_before(&self, now: Timestamp, created: TimeOfDay, file: &Text) -> bool {
+        let known = self.of_behavior.as_ref().map_or("", |known| known.as_str().trim());
+        let file = file.as_str().trim();
+        self.changed.is_after(now, created) && (file.is_empty() || known.is_empty() || file == known)
+    }
+
+    /// Whether a BFMIS that comes now was made before another message named another file, and does not follow that message.
+    pub(crate) fn has_since_changed(&self, now: Timestamp, created: TimeOfDay) -> bool {
+        self.changed.is_after(now, created) && self.may_follow != Some(NamedBy::Status)
     }
 
     /// The vehicle has named its dive file. Returns true if it may be another one than the one whose plan core has or has

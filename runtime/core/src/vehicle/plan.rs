@@ -315,10 +315,10 @@ impl Plan {
     }
 
     /// Where the vehicle may go on after an insert: to the first points of what comes after the current element, or, if the
-    /// insert was flown between two legs of that, to the next of them (SPI 7.5).
+    /// insert is flown between two legs of that, to the next of them (SPI 7.5).
     pub(crate) fn goes_on_to(&self) -> Vec<EastNorth> {
         let legs = self
-            .flown()
+            .current()
             .flat_map(|element| element.legs().skip(1).map(|(start, _)| start));
         let mut to = self.next_points();
         to.extend(legs);

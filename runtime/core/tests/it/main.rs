@@ -14,6 +14,7 @@ mod course;
 mod damaged_answers;
 mod day;
 mod devices;
+mod disorder;
 mod dive;
 mod doubts;
 mod dvl;

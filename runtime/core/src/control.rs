@@ -3,6 +3,7 @@ use std::time::Duration;
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::settings::ControlHook;
+use crate::vehicle::clock::elapsed_nanos;
 
 /// For how long a message about control can be older than one that came before it. After that, a time of day that seems older is that of
 /// another day, or the vehicle's clock was set.
@@ -14,18 +15,22 @@ const DAY_NANOS: i64 = 86_400_000_000_000;
 /// that allows something again does not count if it was made before.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "explore", derive(serde::Serialize))]
-pub(crate) struct Newest(Option<(TimeOfDay, Timestamp)>);
+pub(crate) struct Newest {
+    // The vehicle of the exploration sends nothing late, so there this changes nothing.
+    #[cfg_attr(feature = "explore", serde(skip))]
+    message: Option<(TimeOfDay, Timestamp)>,
+}
 
 impl Newest {
     /// Whether a message that comes now was made before the newest one: either it is late, or the vehicle's clock was set.
     pub(crate) fn is_after(&self, now: Timestamp, created: TimeOfDay) -> bool {
-        let newest = self.0.filter(|(_, heard)| now.since(*heard) < OLDER_WITHIN);
-        newest.is_some_and(|(newest, _)| created.nanos_since(newest) < 0)
+        let newest = self.message.filter(|(_, heard)| now.since(*heard) < OLDER_WITHIN);
+        newest.is_some_and(|(newest, _)| elapsed_nanos(newest, created) < 0)
     }
 
     /// The vehicle's clock was set by so many nanoseconds: what it writes from now on is that much later.
     pub(crate) fn clock_set(&mut self, nanos: i64) {
-        if let Some((created, _)) = &mut self.0 {
+        if let Some((created, _)) = &mut self.message {
             let whole = DAY_NANOS + nanos % DAY_NANOS;
             *created = *created + Duration::from_nanos(whole.unsigned_abs());
         }
@@ -33,11 +38,11 @@ impl Newest {
 
     /// Such a message has come. It becomes the newest, unless it is older; then the newest counts from now on.
     pub(crate) fn hear(&mut self, now: Timestamp, created: TimeOfDay) {
-        let created = match self.0 {
+        let created = match self.message {
             Some((newest, _)) if self.is_after(now, created) => newest,
             _ => created,
         };
-        self.0 = Some((created, now));
+        self.message = Some((created, now));
     }
 }
 

@@ -105,12 +105,14 @@ pub(crate) struct Entry {
     pub(crate) interrupted: bool,
     /// When an insert was sent.
     pub(crate) sent_at: Timestamp,
-    /// The vehicle's plan does not name this insert, which timed out or which we have cancelled, and core asked for that
-    /// plan after the vehicle must have decided on it: so the insert does not wait.
+    /// The vehicle's plan does not name this insert, which timed out, or which we have cancelled, or which may have begun
+    /// unheard. Core asked for that plan after the vehicle must have decided on it: so the insert does not wait.
     pub(crate) not_queued: bool,
     /// The vehicle may have dropped this insert: it has flown another dive since, its plan lacks the insert, or a cancel was
     /// sent. A plan that was asked for at this time or later, and names the insert, shows that it has not.
     pub(crate) may_be_gone: Option<Timestamp>,
+    /// A message or the link was lost while this insert waited. It may have begun then, and ended.
+    unheard_since: Option<Timestamp>,
     /// A cancel was sent. The vehicle has decided on it by then.
     cancelled_by: Option<Timestamp>,
     /// As what the request counts.
@@ -187,6 +189,7 @@ impl Ledger {
             sent_at: Timestamp::ZERO,
             not_queued: false,
             may_be_gone: None,
+            unheard_since: None,
             cancelled_by: None,
             standing: Standing::Waiting,
         };
@@ -278,9 +281,20 @@ impl Ledger {
         None
     }
 
-    /// A message or the link was lost, and with it perhaps the begin of an insert that core did not ask for.
-    pub(crate) fn lost_begin(&mut self) {
-        self.left.extend(self.flown_last.take());
+    /// A message or the link was lost, and with it perhaps a begin: that of an insert that waits, or, if another payload
+    /// inserts too (`shared`), that of one of which core knows nothing. Returns whether inserts of ours wait.
+    pub(crate) fn lost_begin(&mut self, now: Timestamp, shared: bool) -> bool {
+        if shared {
+            self.left.extend(self.flown_last.take());
+        }
+        let mut waits = false;
+        for entry in self.open.values_mut() {
+            if entry.is_open_insert() && entry.state == RequestState::Accepted {
+                entry.unheard_since.get_or_insert(now);
+                waits = true;
+            }
+        }
+        waits
     }
 
     /// The refused inserts that the vehicle's plan names.
@@ -290,16 +304,17 @@ impl Ledger {
         named.map(|(request, _)| *request).collect()
     }
 
-    /// The inserts that the vehicle had accepted and that are over: we have cancelled them, its plan lacks them, and it flies
-    /// a behavior of its plan.
-    pub(crate) fn cancelled_unanswered(&self) -> Vec<u64> {
+    /// The inserts that the vehicle had accepted and that are over if it flies a behavior of its plan now: it may have
+    /// carried out a cancel of ours or may have flown them, unheard, and its plan lacks them. With whether they were cancelled.
+    pub(crate) fn over_unheard(&self) -> Vec<(u64, bool)> {
         let gone = |entry: &Entry| {
             entry.not_queued
                 && entry.state == RequestState::Accepted
                 && entry.insert.is_some_and(|insert| !insert.surfaces())
         };
         let open = self.iter().filter(|(_, entry)| gone(entry));
-        open.map(|(request, _)| request).collect()
+        open.map(|(request, entry)| (request, entry.cancelled_by.is_some()))
+            .collect()
     }
 
     /// The inserts that have ended, but that the vehicle may take up again.
@@ -412,9 +427,10 @@ impl Ledger {
         for entry in self.open.values_mut() {
             let decided = asked_at >= entry.sent_at + SETTLED_WITHIN;
             let named = entry.identifier.is_some_and(&has);
-            let cancelled = entry.cancelled_by.is_some_and(|by| by <= asked_at);
-            entry.not_queued = cancelled && !named;
+            let since = |then: Option<Timestamp>| then.is_some_and(|then| then <= asked_at);
+            entry.not_queued = !named && (since(entry.cancelled_by) || since(entry.unheard_since));
             if named {
+                entry.unheard_since = entry.unheard_since.filter(|lost| asked_at < *lost);
                 entry.may_be_gone = entry.may_be_gone.filter(|since| asked_at < *since);
             } else if entry.is_open_insert() && decided {
                 entry.may_be_gone = entry.may_be_gone.max(Some(asked_at));

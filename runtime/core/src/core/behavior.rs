@@ -83,8 +83,13 @@ impl Core {
                 self.cx
                     .ledger
                     .settle_doubt_if(|entry| entry.not_queued && entry.insert.is_some_and(|insert| !insert.surfaces()));
-                for request in self.cx.ledger.cancelled_unanswered() {
-                    self.cx.transition(request, RequestState::Cancelled);
+                for (request, cancelled) in self.cx.ledger.over_unheard() {
+                    let over = if cancelled {
+                        RequestState::Cancelled
+                    } else {
+                        RequestState::Ended(EndCause::Overtaken.into())
+                    };
+                    self.cx.transition(request, over);
                 }
                 let vehicle = &mut self.cx.vehicle;
                 vehicle.previous_run.plan_goes_on(&vehicle.plan);

@@ -8,11 +8,15 @@ use backseat_units::{EastNorth, Timestamp};
 
 use crate::context::Context;
 use crate::plugin::NavigationSample;
+use crate::timer::Timer;
 use crate::vehicle::course::{Begin, Flown, Sighting, is_on};
 use crate::vehicle::navigation::Jump;
 
 /// The vehicle forgets a modify that is not refreshed (SPI 7.12).
 const MODIFY_LAPSES: Duration = Duration::from_secs(5);
+
+/// If a message is lost while inserts wait, core asks for the plan after this time.
+const WAITING_ASKED: Duration = Duration::from_secs(30);
 
 /// A behavior has begun here.
 pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<BehaviorId>) {
@@ -73,9 +77,11 @@ fn may_interrupt(cx: &Context, identifier: BehaviorId) -> bool {
 
 /// A message or the link was lost. An insert that interrupts may have begun and ended meanwhile.
 pub(super) fn lost(cx: &mut Context) {
-    if cx.vehicle.courses.shared() {
-        // Another payload's insert may have begun, and interrupted what we heard end.
-        cx.ledger.lost_begin();
+    // Another payload's insert may have begun, and interrupted what we heard end.
+    let waits = cx.ledger.lost_begin(cx.now, cx.vehicle.courses.shared());
+    if waits && cx.link.is_up() {
+        // The plan shows whether they still wait.
+        cx.timers.set_unless_set(Timer::Plan, cx.now + WAITING_ASKED);
     }
     if cx.ledger.interrupts() || cx.vehicle.courses.shared() || cx.outlook().previous_run_may_fly() {
         cx.vehicle.courses.leave_plan();

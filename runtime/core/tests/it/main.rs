@@ -9,6 +9,7 @@ mod admission;
 mod arbiter;
 mod cancelled;
 mod clock;
+mod clock_steps;
 mod control;
 mod course;
 mod damaged_answers;

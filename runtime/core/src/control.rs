@@ -21,6 +21,17 @@ pub(crate) struct Newest {
     message: Option<(TimeOfDay, Timestamp)>,
 }
 
+/// Core has found that the vehicle's clock was set.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClockSet {
+    /// When core found it.
+    pub(crate) at: Timestamp,
+    /// What the vehicle wrote just before, by its new clock.
+    pub(crate) written: TimeOfDay,
+    /// By how much the vehicle's times are later now, nanoseconds.
+    pub(crate) by_nanos: i64,
+}
+
 impl Newest {
     /// Whether a message that comes now was made before the newest one: either it is late, or the vehicle's clock was set.
     pub(crate) fn is_after(&self, now: Timestamp, created: TimeOfDay) -> bool {
@@ -28,10 +39,17 @@ impl Newest {
         newest.is_some_and(|(newest, _)| elapsed_nanos(newest, created) < 0)
     }
 
-    /// The vehicle's clock was set by so many nanoseconds: what it writes from now on is that much later.
-    pub(crate) fn clock_set(&mut self, nanos: i64) {
-        if let Some((created, _)) = &mut self.message {
-            let whole = DAY_NANOS + nanos % DAY_NANOS;
+    /// The vehicle's clock was set: moves the time of the newest message with it, unless the vehicle gave it the time by its
+    /// new clock.
+    pub(crate) fn clock_set(&mut self, set: ClockSet) {
+        let Some((created, heard)) = &mut self.message else {
+            return;
+        };
+        // How much later than it came the message was made, if the vehicle's clock was set before that.
+        let since_heard = i64::try_from(set.at.since(*heard).as_nanos()).unwrap_or(i64::MAX);
+        let later = elapsed_nanos(set.written, *created).saturating_add(since_heard);
+        if later.abs() > set.by_nanos.abs() / 2 {
+            let whole = DAY_NANOS + set.by_nanos % DAY_NANOS;
             *created = *created + Duration::from_nanos(whole.unsigned_abs());
         }
     }
@@ -121,15 +139,15 @@ impl Control {
         !(other.is_after(now, created) || running && self.is_doubted(now, made))
     }
 
-    /// The vehicle's clock was set by so many nanoseconds.
-    pub(crate) fn clock_set(&mut self, nanos: i64) {
+    /// The vehicle's clock was set.
+    pub(crate) fn clock_set(&mut self, set: ClockSet) {
         for newest in [
             &mut self.revoked,
             &mut self.ran,
             &mut self.stopped,
             &mut self.held_by_text,
         ] {
-            newest.clock_set(nanos);
+            newest.clock_set(set);
         }
     }
 

@@ -120,6 +120,11 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
+    /// Whether this insert may have begun while nobody heard it.
+    pub(crate) const fn may_have_begun(&self) -> bool {
+        self.unheard_since.is_some()
+    }
+
     /// Whether the vehicle may still fly this insert.
     pub(crate) fn is_open_insert(&self) -> bool {
         self.insert.is_some()
@@ -287,7 +292,7 @@ impl Ledger {
         if shared {
             self.left.extend(self.flown_last.take());
         }
-        let mut waits = false;
+        let mut waits = self.doubtful.values().any(|entry| !entry.not_queued);
         for entry in self.open.values_mut() {
             if entry.is_open_insert() && entry.state == RequestState::Accepted {
                 entry.unheard_since.get_or_insert(now);
@@ -382,6 +387,12 @@ impl Ledger {
     /// Whether this insert timed out, and the vehicle may still fly it.
     pub(crate) fn is_doubtful(&self, request: u64) -> bool {
         self.doubtful.contains_key(&request)
+    }
+
+    /// The identifier of an insert that is open, or that the vehicle may fly although its request has ended.
+    pub(crate) fn identifier_of(&self, request: u64) -> Option<BehaviorId> {
+        let entry = self.open.get(&request).or_else(|| self.doubtful.get(&request));
+        entry?.identifier
     }
 
     /// Whether this insert timed out, or was accepted after its refusal, and may wait in the vehicle's plan.

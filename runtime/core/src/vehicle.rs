@@ -10,9 +10,10 @@ pub(crate) mod plan;
 pub(crate) mod previous_run;
 pub(crate) mod relative;
 
-use backseat_units::LocalFrame;
+use backseat_spi::BehaviorId;
+use backseat_units::{LocalFrame, TimeOfDay};
 
-use crate::control::Newest;
+use crate::control::{ClockSet, Newest};
 use crate::io::Identifiers;
 use crate::monitor::envelope::Suspended;
 use crate::monitor::limits::Limits;
@@ -27,6 +28,15 @@ use crate::vehicle::plan::Plan;
 use crate::vehicle::previous_run::PreviousRun;
 use crate::vehicle::relative::Track;
 
+/// What a BFMBS (`began`) or BFMBE said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct HeardBehavior {
+    pub(crate) created: TimeOfDay,
+    pub(crate) began: bool,
+    pub(crate) number: Option<u32>,
+    pub(crate) identifier: Option<BehaviorId>,
+}
+
 /// What core believes of the vehicle. Each part follows what the vehicle reports about one thing.
 #[derive(Debug)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
@@ -37,6 +47,9 @@ pub(crate) struct Vehicle {
     pub(crate) dive: Dive,
     /// The newest BFMBS or BFMBE of this connection.
     pub(crate) behaviors: Newest,
+    /// The one that came last.
+    #[cfg_attr(feature = "explore", serde(skip))]
+    pub(crate) heard_last: Option<HeardBehavior>,
     pub(crate) plan: Plan,
     pub(crate) compared: Compared,
     /// The phase of its mission.
@@ -62,6 +75,7 @@ impl Vehicle {
             cartesian: Track::new(limits, station.is_some_and(|station| station.bottom_box.is_some())),
             dive: Dive::default(),
             behaviors: Newest::default(),
+            heard_last: None,
             plan: Plan::default(),
             compared: Compared::default(),
             phase: Phase::default(),
@@ -79,14 +93,15 @@ impl Vehicle {
         self.relative.reset();
         self.cartesian.reset();
         self.behaviors = Newest::default();
+        self.heard_last = None;
         self.dive.connected();
         self.forget_plan();
     }
 
-    /// The vehicle's clock was set by so many nanoseconds.
-    pub(crate) fn clock_set(&mut self, nanos: i64) {
-        self.behaviors.clock_set(nanos);
-        self.dive.clock_set(nanos);
+    /// The vehicle's clock was set.
+    pub(crate) fn clock_set(&mut self, set: ClockSet) {
+        self.behaviors.clock_set(set);
+        self.dive.clock_set(set);
     }
 
     /// Forgets the plan, and whether it is the expected one.

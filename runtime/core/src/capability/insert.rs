@@ -15,6 +15,7 @@ use backseat_spi::{
     Trackline, VerticalMode,
 };
 use backseat_units::Timestamp;
+use std::time::Duration;
 
 use crate::capability::insert::irrevocable::Waiting;
 use crate::capability::insert::recall::Recalls;
@@ -47,6 +48,9 @@ pub(crate) struct Inserts {
     waiting: Vec<Waiting>,
     recalls: Recalls,
 }
+
+/// How long after a cancel that did not succeed core asks for the plan: six times a minute at most.
+const ASKED_AGAIN: Duration = Duration::from_secs(10);
 
 /// The grant that an insert needs. One that interrupts needs `Grant::Interrupt` as well.
 pub(crate) const fn grant_of(insert: &Insert) -> Grant {
@@ -326,7 +330,7 @@ impl Inserts {
                 }
             }
             Answer::Done => {
-                if let Some(identifier) = cx.ledger.get(insert).and_then(|entry| entry.identifier) {
+                if let Some(identifier) = cx.ledger.identifier_of(insert) {
                     cx.vehicle.plan.ended(identifier);
                 }
                 cx.transition(insert, RequestState::Cancelled);
@@ -353,7 +357,7 @@ impl Inserts {
     fn ask_whether_gone(&self, cx: &mut Context, insert: u64) {
         let waits = |entry: &Entry| entry.is_open_insert() && entry.state != RequestState::Started;
         if cx.ledger.get(insert).is_some_and(waits) || cx.ledger.is_doubtful(insert) {
-            cx.timers.set_unless_set(Timer::Plan, cx.now + SETTLED_WITHIN);
+            cx.timers.set_unless_set(Timer::Plan, cx.now + ASKED_AGAIN);
         }
     }
 
@@ -391,7 +395,7 @@ impl Inserts {
         let asked_at = cx.vehicle.plan.asked_at();
         if let Some(by) = cx.ledger.cancels_decided_by().filter(|by| asked_at < *by) {
             // The vehicle may not have decided on a cancel yet.
-            cx.timers.set_unless_set(Timer::Plan, by);
+            cx.timers.set_unless_set(Timer::Plan, by.max(cx.now + ASKED_AGAIN));
         }
         for (request, identifier, decided_at) in open {
             if cx.vehicle.plan.has(identifier) {

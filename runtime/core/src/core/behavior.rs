@@ -1,7 +1,6 @@
 //! The behaviors that the vehicle begins and ends (SPI 6.9, 6.10), and what follows from that.
 
 use backseat_spi::{BehaviorBegin, BehaviorEnd, BehaviorId, Text};
-use backseat_units::TimeOfDay;
 
 use super::{Core, course};
 use crate::ended::EndCause;
@@ -10,15 +9,37 @@ use crate::mutations::{Check, is_on};
 use crate::owner::Owner;
 use crate::plugin::slots::Plugins;
 use crate::plugin::{Behavior, Event, RequestState, Topic};
+use crate::vehicle::HeardBehavior;
+use crate::vehicle::course::Flown;
 use crate::vehicle::dive::NamedBy;
+
+/// Where a BFMBS or BFMBE stands among those that came before it.
+enum Place {
+    /// After all of them.
+    Newest,
+    /// It is the newest of them, once more, and says nothing new.
+    Repeated,
+    /// Before one of them, or it may be.
+    Unknown,
+}
 
 impl Core {
     pub(super) fn behavior_began(&mut self, message: BehaviorBegin) {
-        if self.is_out_of_order(message.created, &message.dive_file) {
-            return self.out_of_order(message.created, message.identifier);
-        }
-        // This comes first, because the behavior belongs to the dive that the message names.
+        let heard = HeardBehavior {
+            created: message.created,
+            began: true,
+            number: message.number,
+            identifier: message.identifier,
+        };
+        let place = self.place_of(heard, &message.dive_file);
+        // This comes first, because the behavior belongs to the dive that the message names. If it is late, it may be of
+        // another dive all the same.
         self.dive_named(NamedBy::Behavior, message.created, &message.dive_file);
+        match place {
+            Place::Newest => {}
+            Place::Repeated => return,
+            Place::Unknown => return self.out_of_order(heard),
+        }
         // A behavior with neither number nor identifier (an adjustment) runs beside what is flown and says nothing
         // about it.
         let is_flown = message.number.is_some() || message.identifier.is_some();
@@ -104,8 +125,16 @@ impl Core {
     }
 
     pub(super) fn behavior_ended(&mut self, message: BehaviorEnd) {
-        if self.is_out_of_order(message.created, &message.dive_file) {
-            return self.out_of_order(message.created, message.identifier);
+        let heard = HeardBehavior {
+            created: message.created,
+            began: false,
+            number: message.number,
+            identifier: message.identifier,
+        };
+        match self.place_of(heard, &message.dive_file) {
+            Place::Newest => {}
+            Place::Repeated => return,
+            Place::Unknown => return self.out_of_order(heard),
         }
         self.cx.heard(message.created);
         self.cx.note_of_vehicle(Note::Behavior {
@@ -150,24 +179,34 @@ impl Core {
 
     /// A BFMBS or BFMBE was made before a newer one, or before the vehicle named another dive. It is late, or the vehicle's
     /// clock was set. Nobody can tell which, so it is unknown what is flown.
-    fn out_of_order(&mut self, created: TimeOfDay, identifier: Option<BehaviorId>) {
-        self.cx.heard(created);
+    fn out_of_order(&mut self, heard: HeardBehavior) {
+        self.cx.heard(heard.created);
         self.cx.note_of_vehicle(Note::Text {
             text: "a behavior began or ended before one that was heard of: it is unknown what is flown".to_owned(),
         });
-        if let Some(identifier) = identifier {
+        if let Some(identifier) = heard.identifier {
             course::may_have_begun(&mut self.cx, identifier);
         }
         self.invalidate_after_loss();
     }
 
-    /// Whether a BFMBS or BFMBE that comes now is out of order.
-    fn is_out_of_order(&mut self, created: TimeOfDay, dive_file: &Text) -> bool {
+    /// Where a BFMBS or BFMBE that comes now stands among those that came before it.
+    fn place_of(&mut self, heard: HeardBehavior, dive_file: &Text) -> Place {
         let now = self.cx.now;
         let vehicle = &mut self.cx.vehicle;
-        let is_late = vehicle.behaviors.is_after(now, created) || vehicle.dive.is_before(now, created, dive_file);
-        vehicle.behaviors.hear(now, created);
-        is_late
+        if vehicle.heard_last.replace(heard) == Some(heard) {
+            // The same message again. What it says may have ended since, unheard.
+            let inserted = heard.identifier.map(Flown::Inserted);
+            let says = inserted.or(heard.number.map(Flown::Planned)).filter(|_| heard.began);
+            let is_known = vehicle.courses.current() == says;
+            return if is_known { Place::Repeated } else { Place::Unknown };
+        }
+        let is_before_dive = vehicle.dive.is_before(now, heard.created, dive_file);
+        if is_before_dive || vehicle.behaviors.is_after(now, heard.created) {
+            return Place::Unknown;
+        }
+        vehicle.behaviors.hear(now, heard.created);
+        Place::Newest
     }
 
     /// Ends the inserts that had begun before this behavior. The vehicle flies one behavior at a time, so they are over

@@ -8,6 +8,7 @@ use super::Core;
 use super::course;
 use super::samples::tell_of_plan;
 use crate::context::Context;
+use crate::control::ClockSet;
 use crate::ended::EndCause;
 use crate::io::Note;
 use crate::mutations::{Check, is_on};
@@ -121,8 +122,13 @@ impl Core {
         if let Some(step) = cx.vehicle.navigation.measured(heard.trip, utc, ack.created) {
             let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
             cx.note(Note::Navigation { text });
-            cx.control.clock_set(-step);
-            cx.vehicle.clock_set(-step);
+            let set = ClockSet {
+                at: cx.now,
+                written: ack.created,
+                by_nanos: -step,
+            };
+            cx.control.clock_set(set);
+            cx.vehicle.clock_set(set);
             self.capabilities.end_leases(cx, EndCause::ClockSet);
         }
         if heard.good {

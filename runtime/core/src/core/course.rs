@@ -79,8 +79,9 @@ fn may_interrupt(cx: &Context, identifier: BehaviorId) -> bool {
 pub(super) fn lost(cx: &mut Context) {
     // Another payload's insert may have begun, and interrupted what we heard end.
     let waits = cx.ledger.lost_begin(cx.now, cx.vehicle.courses.shared());
-    if waits && cx.link.is_up() {
-        // The plan shows whether they still wait.
+    let others = cx.outlook().others().next().is_some() || cx.vehicle.previous_run.has_left();
+    if (waits || others) && cx.link.is_up() {
+        // The plan shows which inserts still wait.
         cx.timers.set_unless_set(Timer::Plan, cx.now + WAITING_ASKED);
     }
     if cx.ledger.interrupts() || cx.vehicle.courses.shared() || cx.outlook().previous_run_may_fly() {

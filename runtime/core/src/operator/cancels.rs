@@ -31,7 +31,8 @@ impl Orders {
     /// begun are not. A GPS hit stays open: BPRCN does not cover it (7.8), and 7.9 does not say whether BPRCA does. An
     /// insert that was not answered stays in doubt: it may have begun, and it may be one that nothing may interrupt
     /// (safety requirement 010). The plan, for which core asks now, and the next begin settle it. They also settle an
-    /// accepted insert that interrupts: it begins when it is accepted (7.5), so only its BFMBS was not heard.
+    /// accepted insert that interrupts: it begins when it is accepted (7.5), so only its BFMBS was not heard. The same holds
+    /// for one that has waited while a message was lost.
     ///
     /// Returns true if the vehicle has cancelled them: core must then ask it what is left of the plan.
     pub(crate) fn cancel_all_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) -> bool {
@@ -42,20 +43,20 @@ impl Orders {
             Answer::Done => {
                 cx.transition(request, RequestState::Accepted);
                 cx.transition(request, RequestState::Ended(EndCause::Done.into()));
-                let accepted: Vec<(u64, Insert)> = cx
+                let accepted: Vec<(u64, Insert, bool)> = cx
                     .ledger
                     .iter()
                     .filter(|(_, entry)| entry.state == RequestState::Accepted)
-                    .filter_map(|(request, entry)| Some((request, entry.insert?)))
+                    .filter_map(|(request, entry)| Some((request, entry.insert?, entry.may_have_begun())))
                     .collect();
-                for (request, insert) in accepted {
+                for (request, insert, may_have_begun) in accepted {
                     if insert.surfaces() {
                         cx.note(Note::Text {
                             text: format!(
                                 "GPS hit {request} may still be flown: it is not certain that BPRCA covers it"
                             ),
                         });
-                    } else if insert.interrupt {
+                    } else if insert.interrupt || may_have_begun {
                         cx.transition(request, RequestState::Unknown);
                     } else {
                         if let Some(identifier) = cx.ledger.get(request).and_then(|entry| entry.identifier) {

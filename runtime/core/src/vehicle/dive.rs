@@ -1,7 +1,7 @@
 //! Which dive the vehicle flies. A plan belongs to the dive file for which the vehicle reported it (SPI 6.9, 6.11;
 //! safety requirement 025).
 
-use crate::control::Newest;
+use crate::control::{ClockSet, Newest};
 use crate::refusal::Uncontrolled;
 use backseat_spi::Text;
 use backseat_units::{TimeOfDay, Timestamp};
@@ -64,9 +64,9 @@ impl Dive {
         self.changed = Newest::default();
     }
 
-    /// The vehicle's clock was set by so many nanoseconds.
-    pub(crate) fn clock_set(&mut self, nanos: i64) {
-        self.changed.clock_set(nanos);
+    /// The vehicle's clock was set.
+    pub(crate) fn clock_set(&mut self, set: ClockSet) {
+        self.changed.clock_set(set);
     }
 
     /// Whether a BFMBS or BFMBE that comes now, and names this file, is late and belongs to the dive before: it was made before

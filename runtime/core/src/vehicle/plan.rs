@@ -49,6 +49,15 @@ impl Element {
         self.points[self.points.len() - 1]
     }
 
+    /// The points at which the vehicle may go on after something that it flies in the middle of the element: each waypoint
+    /// but the first, or where each line but the first starts.
+    fn goes_on_within(&self) -> impl Iterator<Item = EastNorth> + '_ {
+        let of_line =
+            |kind: &PlanElementKind| matches!(kind, PlanElementKind::TracklineStart | PlanElementKind::TracklineEnd);
+        let each = if self.kinds.iter().all(of_line) { 2 } else { 1 };
+        self.points.iter().step_by(each).skip(1).copied()
+    }
+
     /// The length of a line, metres; `None` for a circle and for a single place.
     pub(crate) fn line_m(&self) -> Option<f64> {
         if self.circles || self.points.len() < 2 {
@@ -73,6 +82,8 @@ pub(crate) struct Plan {
     elements: Vec<Element>,
     collecting: Option<Vec<Element>>,
     points_collected: usize,
+    /// The inserts that have ended since the series began.
+    ended: BTreeSet<BehaviorId>,
     /// When the vehicle was asked for it.
     asked_at: Timestamp,
     /// How much had been lost on the link when the series began, and whether one of its own messages could not be read.
@@ -109,6 +120,7 @@ impl Plan {
     pub(crate) fn begin(&mut self, lost: u64) {
         self.collecting = Some(Vec::new());
         self.points_collected = 0;
+        self.ended.clear();
         self.lost = lost;
         self.unreadable = false;
         self.first = None;
@@ -170,6 +182,9 @@ impl Plan {
             return false;
         };
         self.elements = joined(elements);
+        let ended = std::mem::take(&mut self.ended);
+        self.elements
+            .retain(|element| element.identifier.is_none_or(|identifier| !ended.contains(&identifier)));
         self.complete = true;
         if let Some(number) = self.current.filter(|number| !self.names(*number))
             && self.lacks.len() < LACKS_MAX
@@ -258,6 +273,10 @@ impl Plan {
     /// An insert is over: the vehicle will not fly it again.
     pub(crate) fn ended(&mut self, identifier: BehaviorId) {
         self.elements.retain(|element| element.identifier != Some(identifier));
+        if self.collecting.is_some() {
+            // The vehicle may have made the series before.
+            self.ended.insert(identifier);
+        }
     }
 
     /// The front seat's own elements.
@@ -315,13 +334,11 @@ impl Plan {
     }
 
     /// Where the vehicle may go on after an insert: to the first points of what comes after the current element, or, if the
-    /// insert is flown between two legs of that, to the next of them (SPI 7.5).
+    /// insert is flown between two points of that, to the next of them (SPI 7.5).
     pub(crate) fn goes_on_to(&self) -> Vec<EastNorth> {
-        let legs = self
-            .current()
-            .flat_map(|element| element.legs().skip(1).map(|(start, _)| start));
+        let points = self.current().flat_map(Element::goes_on_within);
         let mut to = self.next_points();
-        to.extend(legs);
+        to.extend(points);
         to
     }
 

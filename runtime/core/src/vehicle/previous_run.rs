@@ -109,6 +109,11 @@ impl PreviousRun {
         self.cancelled.clear();
     }
 
+    /// Whether inserts of previous runs may wait.
+    pub(crate) fn has_left(&self) -> bool {
+        !self.left.is_empty()
+    }
+
     /// Whether the vehicle may still fly an insert of a previous run, or flies one that was believed to be over.
     /// `current` is the insert that the newest BFMBS named.
     pub(crate) fn may_fly(&self, current: Option<BehaviorId>, plan: &Plan) -> bool {

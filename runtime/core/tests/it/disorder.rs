@@ -158,7 +158,7 @@ fn sr_002_another_payloads_insert_is_not_seen_on_the_plan_although_the_clock_was
 
 /// A pending insert is accepted after a plan that lacks it, after a cancel that was refused.
 #[test]
-fn sr_009_an_insert_that_is_accepted_after_a_plan_that_lacked_it_is_not_over() {
+fn an_insert_whose_cancel_was_refused_before_it_was_accepted_is_not_called_cancelled() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RCN", Reply::Refuse);
     trial

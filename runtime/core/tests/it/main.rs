@@ -6,6 +6,7 @@
 mod acoustic;
 mod adjustments;
 mod admission;
+mod again;
 mod arbiter;
 mod cancelled;
 mod clock;

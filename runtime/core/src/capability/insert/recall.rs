@@ -33,6 +33,9 @@ struct Recall {
     sent: u32,
     /// When it is sent again; `None` while it waits for its answer or for the link.
     due: Option<Timestamp>,
+    /// The vehicle has refused it, or was sent it often enough. It is sent again on a new connection, or if there is a new
+    /// reason.
+    given_up: bool,
 }
 
 /// The inserts that the runtime is cancelling, by their requests.
@@ -128,13 +131,14 @@ impl Inserts {
     }
 
     pub(super) fn recall_as(&mut self, cx: &mut Context, insert: u64, identifier: BehaviorId) {
-        if cx.ledger.is_recalled(insert) {
+        if self.recalls.open.get(&insert).is_some_and(|recall| !recall.given_up) {
             return;
         }
         let recall = Recall {
             identifier,
             sent: 0,
             due: None,
+            given_up: false,
         };
         self.recalls.open.insert(insert, recall);
         cx.ledger.set_recalled(insert, true);
@@ -169,7 +173,7 @@ impl Inserts {
             // The vehicle had not decided on the insert yet, and may still accept it.
             Answer::Refused(_) if self.is_undecided(cx, insert) => self.again_later(cx, insert),
             Answer::Refused(text) => {
-                if self.forget_recall(cx, insert) {
+                if self.give_up_recall(cx, insert) {
                     cx.note(Note::Text {
                         text: format!("insert {insert} was not cancelled: {text}"),
                     });
@@ -196,7 +200,7 @@ impl Inserts {
         if recall.sent < SENT_MAX {
             recall.due = Some(cx.now + AGAIN_AFTER * (1 << recall.sent.saturating_sub(1)));
         } else {
-            self.forget_recall(cx, insert);
+            self.give_up_recall(cx, insert);
             cx.note(Note::Text {
                 text: format!(
                     "insert {insert} may still be flown: the vehicle has carried out none of {SENT_MAX} cancels"
@@ -224,6 +228,7 @@ impl Inserts {
     pub(crate) fn link_up(&mut self, cx: &mut Context) {
         for recall in self.recalls.open.values_mut() {
             recall.sent = 0;
+            recall.given_up = false;
         }
         self.send_recalls(cx, |_| true);
     }
@@ -243,6 +248,19 @@ impl Inserts {
                 self.forget_recall(cx, insert);
             }
         }
+    }
+
+    /// The cancel of an insert did not succeed. While the insert waits, no other cancel of it is sent for the same reason.
+    /// Returns whether it was being cancelled until now.
+    fn give_up_recall(&mut self, cx: &mut Context, insert: u64) -> bool {
+        if !self.may_be_recalled(cx, insert) {
+            return self.forget_recall(cx, insert);
+        }
+        let Some(recall) = self.recalls.open.get_mut(&insert) else {
+            return false;
+        };
+        recall.due = None;
+        !std::mem::replace(&mut recall.given_up, true)
     }
 
     /// The runtime no longer cancels an insert. True if it did so until now.

@@ -47,7 +47,7 @@ pub(crate) struct Vehicle {
     pub(crate) dive: Dive,
     /// The newest BFMBS or BFMBE of this connection.
     pub(crate) behaviors: Newest,
-    /// The one that came last.
+    /// What the newest of them said.
     #[cfg_attr(feature = "explore", serde(skip))]
     pub(crate) heard_last: Option<HeardBehavior>,
     pub(crate) plan: Plan,

@@ -194,7 +194,7 @@ impl Core {
     fn place_of(&mut self, heard: HeardBehavior, dive_file: &Text) -> Place {
         let now = self.cx.now;
         let vehicle = &mut self.cx.vehicle;
-        if vehicle.heard_last.replace(heard) == Some(heard) {
+        if vehicle.heard_last == Some(heard) {
             // The same message again. What it says may have ended since, unheard.
             let inserted = heard.identifier.map(Flown::Inserted);
             let says = inserted.or(heard.number.map(Flown::Planned)).filter(|_| heard.began);
@@ -206,6 +206,7 @@ impl Core {
             return Place::Unknown;
         }
         vehicle.behaviors.hear(now, heard.created);
+        vehicle.heard_last = Some(heard);
         Place::Newest
     }
 

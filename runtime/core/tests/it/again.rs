@@ -547,7 +547,7 @@ fn an_unanswered_insert_that_is_flown_unheard_is_over() {
     assert!(flown(true).contains("Accepted"));
 }
 
-/// A GPS hit that is no longer good is told of seldom.
+/// The revocation comes again after the grant, and then another grant.
 #[test]
 fn a_revocation_that_is_repeated_late_costs_nothing() {
     let control = |trial: &Trial, granted| backseat_spi::BackseatControl {

@@ -73,7 +73,6 @@ fn a_doubtful_insert_whose_cancel_succeeds_is_forgotten() {
         trial.vehicle.replies.remove("RCN");
         trial.vehicle.inserted.remove(&1);
         trial.run_for(20.0);
-        let at = trial.now;
         let mut last = String::new();
         for tag in 10..20 {
             begins(&mut trial, Some(1), None);
@@ -121,8 +120,7 @@ fn sr_025_a_begin_out_of_order_that_names_another_dive_takes_the_plan_away() {
         trial.hear_now([other]);
         put(&mut trial, 90.0, -500.0, 0.0);
         trial.run_for(25.0);
-        let last = fate(&mut trial, Request::Modify(modify(9)), 9);
-        last
+        fate(&mut trial, Request::Modify(modify(9)), 9)
     };
     refused("in order", &flown(false));
     refused("out of order", &flown(true));
@@ -329,7 +327,6 @@ fn a_doubtful_insert_whose_pending_cancel_succeeds_after_the_plan_is_over() {
         trial.run_for(4.0);
         trial.vehicle.inserted.remove(&1);
         trial.run_for(20.0);
-        let at = trial.now;
         let mut last = String::new();
         for tag in 10..20 {
             begins(&mut trial, Some(1), None);
@@ -495,7 +492,6 @@ fn an_insert_of_a_previous_run_whose_end_was_damaged_is_over() {
         ends(&mut trial, None, Some(3));
         trial.way = None;
         trial.vehicle.others.clear();
-        let at = trial.now;
         let mut last = String::new();
         for tag in 10..20 {
             begins(&mut trial, Some(1), None);
@@ -531,7 +527,6 @@ fn an_unanswered_insert_that_is_flown_unheard_is_over() {
         ends(&mut trial, None, Some(1));
         trial.way = None;
         trial.vehicle.replies.clear();
-        let at = trial.now;
         let mut last = String::new();
         for tag in 10..20 {
             begins(&mut trial, Some(1), None);

@@ -112,6 +112,7 @@ impl Context {
     pub(crate) fn heard(&mut self, created: TimeOfDay) {
         let utc = self.utc();
         self.vehicle.navigation.heard(self.now, utc, created);
+        self.vehicle.latest.hear(self.now, created);
     }
 
     /// Converts a time on the vehicle's clock to ours; never later than now.

@@ -54,6 +54,11 @@ impl Newest {
         }
     }
 
+    /// When the vehicle made the newest one.
+    pub(crate) fn created(&self) -> Option<TimeOfDay> {
+        self.message.map(|(created, _)| created)
+    }
+
     /// Such a message has come. It becomes the newest, unless it is older; then the newest counts from now on.
     pub(crate) fn hear(&mut self, now: Timestamp, created: TimeOfDay) {
         let created = match self.message {

@@ -113,6 +113,8 @@ pub(crate) struct Entry {
     pub(crate) may_be_gone: Option<Timestamp>,
     /// A message or the link was lost while this insert waited. It may have begun then, and ended.
     unheard_since: Option<Timestamp>,
+    /// The same, also if the vehicle had not decided on it yet.
+    unheard: bool,
     /// A cancel was sent. The vehicle has decided on it by then.
     cancelled_by: Option<Timestamp>,
     /// As what the request counts.
@@ -122,7 +124,7 @@ pub(crate) struct Entry {
 impl Entry {
     /// Whether this insert may have begun while nobody heard it.
     pub(crate) const fn may_have_begun(&self) -> bool {
-        self.unheard_since.is_some()
+        self.unheard
     }
 
     /// Whether the vehicle may still fly this insert.
@@ -195,6 +197,7 @@ impl Ledger {
             not_queued: false,
             may_be_gone: None,
             unheard_since: None,
+            unheard: false,
             cancelled_by: None,
             standing: Standing::Waiting,
         };
@@ -294,6 +297,7 @@ impl Ledger {
         }
         let mut waits = self.doubtful.values().any(|entry| !entry.not_queued);
         for entry in self.open.values_mut() {
+            entry.unheard |= entry.is_open_insert() && entry.state != RequestState::Started;
             if entry.is_open_insert() && entry.state == RequestState::Accepted {
                 entry.unheard_since.get_or_insert(now);
                 waits = true;
@@ -442,6 +446,7 @@ impl Ledger {
             entry.not_queued = !named && (since(entry.cancelled_by) || since(entry.unheard_since));
             if named {
                 entry.unheard_since = entry.unheard_since.filter(|lost| asked_at < *lost);
+                entry.unheard &= entry.unheard_since.is_some();
                 entry.may_be_gone = entry.may_be_gone.filter(|since| asked_at < *since);
             } else if entry.is_open_insert() && decided {
                 entry.may_be_gone = entry.may_be_gone.max(Some(asked_at));

@@ -11,7 +11,7 @@ pub(crate) mod previous_run;
 pub(crate) mod relative;
 
 use backseat_spi::BehaviorId;
-use backseat_units::{LocalFrame, TimeOfDay};
+use backseat_units::{LocalFrame, TimeOfDay, Timestamp};
 
 use crate::control::{ClockSet, Newest};
 use crate::io::Identifiers;
@@ -47,6 +47,8 @@ pub(crate) struct Vehicle {
     pub(crate) dive: Dive,
     /// The newest BFMBS or BFMBE of this connection.
     pub(crate) behaviors: Newest,
+    /// The newest message of any kind.
+    pub(crate) latest: Newest,
     /// What the newest of them said.
     #[cfg_attr(feature = "explore", serde(skip))]
     pub(crate) heard_last: Option<HeardBehavior>,
@@ -75,6 +77,7 @@ impl Vehicle {
             cartesian: Track::new(limits, station.is_some_and(|station| station.bottom_box.is_some())),
             dive: Dive::default(),
             behaviors: Newest::default(),
+            latest: Newest::default(),
             heard_last: None,
             plan: Plan::default(),
             compared: Compared::default(),
@@ -92,7 +95,7 @@ impl Vehicle {
         self.navigation.reset();
         self.relative.reset();
         self.cartesian.reset();
-        self.behaviors = Newest::default();
+        (self.behaviors, self.latest) = Default::default();
         self.heard_last = None;
         self.dive.connected();
         self.forget_plan();
@@ -101,6 +104,7 @@ impl Vehicle {
     /// The vehicle's clock was set.
     pub(crate) fn clock_set(&mut self, set: ClockSet) {
         self.behaviors.clock_set(set);
+        self.latest.clock_set(set);
         self.dive.clock_set(set);
     }
 
@@ -115,8 +119,12 @@ impl Vehicle {
         self.suspended.clear();
     }
 
-    /// A message was lost. It may have been the begin or the end of what is flown.
-    pub(crate) fn invalidate_after_loss(&mut self) {
+    /// A message was lost. It may have been the begin or the end of what is flown. What the vehicle made before the newest
+    /// message until now came before that, and says nothing about what is flown now.
+    pub(crate) fn invalidate_after_loss(&mut self, now: Timestamp) {
+        if let Some(created) = self.latest.created() {
+            self.behaviors.hear(now, created);
+        }
         self.plan.invalidate_after_loss();
         self.previous_run.invalidate_after_loss();
         self.named_insert.invalidate_after_loss();

@@ -294,7 +294,13 @@ impl Inserts {
     pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
-            Answer::Done => cx.transition(request, RequestState::Accepted),
+            Answer::Done => {
+                cx.transition(request, RequestState::Accepted);
+                if cx.ledger.is_recalled(request) {
+                    // The vehicle may have refused its cancel because it had not decided on it.
+                    self.recall(cx, request);
+                }
+            }
             Answer::Refused(text) => cx.transition(request, RequestState::Failed(Failure::Vehicle(text.to_owned()))),
             Answer::Missing => self.unanswered(cx, request),
         }

@@ -194,7 +194,9 @@ impl Core {
     fn place_of(&mut self, heard: HeardBehavior, dive_file: &Text) -> Place {
         let now = self.cx.now;
         let vehicle = &mut self.cx.vehicle;
-        if vehicle.heard_last == Some(heard) {
+        // Two adjustments may begin at once.
+        let is_flown = heard.number.is_some() || heard.identifier.is_some();
+        if is_flown && vehicle.heard_last == Some(heard) {
             // The same message again. What it says may have ended since, unheard.
             let inserted = heard.identifier.map(Flown::Inserted);
             let says = inserted.or(heard.number.map(Flown::Planned)).filter(|_| heard.began);

@@ -106,6 +106,7 @@ impl Core {
         capabilities.inserts.judge_waiting(cx);
         if cx.control.held && is_on(Check::HoldCancels) {
             capabilities.inserts.cancel_previous_run(cx);
+            capabilities.inserts.take_back_named(cx);
         }
         if cx.outlook().names_what_is_over() {
             cx.timers.set_unless_set(Timer::Plan, cx.now + NAMED_AGAIN);

@@ -69,7 +69,7 @@ impl Core {
     pub(super) fn invalidate_after_loss(&mut self) {
         self.session.lost(self.cx.now);
         course::lost(&mut self.cx);
-        self.cx.vehicle.invalidate_after_loss();
+        self.cx.vehicle.invalidate_after_loss(self.cx.now);
         self.capabilities.modify.prevent(&mut self.cx);
     }
 

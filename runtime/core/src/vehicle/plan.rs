@@ -49,13 +49,14 @@ impl Element {
         self.points[self.points.len() - 1]
     }
 
-    /// The points at which the vehicle may go on after something that it flies in the middle of the element: each waypoint
-    /// but the first, or where each line but the first starts.
+    /// The points to which the vehicle may go on after something that it flies in the middle of the element: each but the
+    /// first. A single line has no middle.
     fn goes_on_within(&self) -> impl Iterator<Item = EastNorth> + '_ {
         let of_line =
             |kind: &PlanElementKind| matches!(kind, PlanElementKind::TracklineStart | PlanElementKind::TracklineEnd);
-        let each = if self.kinds.iter().all(of_line) { 2 } else { 1 };
-        self.points.iter().step_by(each).skip(1).copied()
+        let is_one_line = self.points.len() == 2 && self.kinds.iter().all(of_line);
+        let points = self.points.iter().skip(1).copied();
+        points.filter(move |_| !is_one_line)
     }
 
     /// The length of a line, metres; `None` for a circle and for a single place.

@@ -34,6 +34,7 @@ mod late;
 mod lease;
 mod ledger;
 mod loss;
+mod older;
 mod operator;
 mod orders;
 mod others;

@@ -21,6 +21,8 @@ use crate::timer::Timer;
 
 /// How often a cancel that is not answered is sent on one connection.
 const SENT_MAX: u32 = 5;
+/// How often core begins anew with the cancels of one insert on one connection, while the plan names it under the hold.
+const ROUNDS_MAX: u32 = 3;
 /// How long core waits with the second cancel after it found the first one unanswered.
 const AGAIN_AFTER: Duration = Duration::from_secs(1);
 
@@ -36,6 +38,8 @@ struct Recall {
     /// The vehicle has refused it, or was sent it often enough. It is sent again on a new connection, or if there is a new
     /// reason.
     given_up: bool,
+    /// How often that was, and the operator's hold or the plan made core begin again.
+    rounds: u32,
 }
 
 /// The inserts that the runtime is cancelling, by their requests.
@@ -134,11 +138,13 @@ impl Inserts {
         if self.recalls.open.get(&insert).is_some_and(|recall| !recall.given_up) {
             return;
         }
+        let rounds = self.recalls.open.get(&insert).map_or(0, |recall| recall.rounds + 1);
         let recall = Recall {
             identifier,
             sent: 0,
             due: None,
             given_up: false,
+            rounds,
         };
         self.recalls.open.insert(insert, recall);
         cx.ledger.set_recalled(insert, true);
@@ -229,6 +235,7 @@ impl Inserts {
         for recall in self.recalls.open.values_mut() {
             recall.sent = 0;
             recall.given_up = false;
+            recall.rounds = 0;
         }
         self.send_recalls(cx, |_| true);
     }
@@ -246,6 +253,20 @@ impl Inserts {
                 self.send_recall(cx, insert);
             } else {
                 self.forget_recall(cx, insert);
+            }
+        }
+    }
+
+    /// The operator holds, and the plan is complete: cancels again what it names although its cancels did not succeed.
+    pub(crate) fn take_back_named(&mut self, cx: &mut Context) {
+        let again =
+            |recall: &Recall| recall.given_up && recall.rounds < ROUNDS_MAX && cx.vehicle.plan.has(recall.identifier);
+        let open = self.recalls.open.iter();
+        let again = open.filter(|(_, recall)| again(recall));
+        let again: Vec<(u64, BehaviorId)> = again.map(|(insert, recall)| (*insert, recall.identifier)).collect();
+        for (insert, identifier) in again {
+            if self.may_be_recalled(cx, insert) {
+                self.recall_as(cx, insert, identifier);
             }
         }
     }

@@ -3,11 +3,11 @@
 use std::time::Duration;
 
 use backseat_core::plugin::Request;
-use backseat_spi::{AckStatus, BehaviorBegin, BehaviorEnd, BehaviorId, FromVehicle, Text};
+use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
 use crate::course::{good_line, line, modify};
-use crate::scene::{accepted, at_once, begins, ends, hands_over, tells_plan_of};
+use crate::scene::{accepted, at_once, begin_of, begins, end_of, ends, hands_over, with_plan};
 use crate::trial::{Trial, shorts};
 use crate::unheard::damage;
 use crate::vehicle::Reply;
@@ -15,26 +15,19 @@ use crate::ways::{fate, put, refused};
 
 const SECOND: i64 = 1_000_000_000;
 
-fn begin_of(trial: &Trial, dive: &str, number: Option<u32>, identifier: Option<u32>) -> FromVehicle {
-    BehaviorBegin {
-        created: trial.vehicle.clock(trial.now),
-        dive_file: Text::cleaned(dive),
-        number,
-        identifier: identifier.map(BehaviorId::new),
-        kind: Text::cleaned("trackline"),
+/// The leg begins again and again, and an insert that interrupts is asked for each time, until it is accepted: what became of the
+/// last.
+fn asks_to_interrupt(trial: &mut Trial) -> String {
+    let mut last = String::new();
+    for tag in 10..20 {
+        begins(trial, Some(1), None);
+        trial.run_for(60.0);
+        last = fate(trial, at_once(line(tag, (300.0, 300.0), (500.0, 300.0))), tag);
+        if last.contains("Accepted") {
+            break;
+        }
     }
-    .into()
-}
-
-fn end_of(trial: &Trial, number: Option<u32>, identifier: Option<u32>) -> FromVehicle {
-    BehaviorEnd {
-        created: trial.vehicle.clock(trial.now),
-        dive_file: Text::cleaned(""),
-        number,
-        identifier: identifier.map(BehaviorId::new),
-        kind: Text::cleaned("trackline"),
-    }
-    .into()
+    last
 }
 
 fn state(trial: &Trial) -> String {
@@ -44,16 +37,6 @@ fn state(trial: &Trial) -> String {
         trial.core.uncontrolled(),
         trial.core.open_request_states()
     )
-}
-
-fn with_plan(plan: &[(u32, &[(f64, f64)])], start: (f64, f64)) -> Trial {
-    let mut trial = Trial::new();
-    trial.vehicle.replies.insert("RMP", Reply::Silent);
-    trial.vehicle.start = EastNorth::new(start.0, start.1);
-    trial.run_for(1.0);
-    tells_plan_of(&mut trial, plan);
-    assert!(trial.core.has_control(), "{:#?}", trial.notes());
-    trial
 }
 
 /// An insert that was not answered is named by the plan; then its cancel succeeds. The plan must not go on naming it.
@@ -73,16 +56,7 @@ fn a_doubtful_insert_whose_cancel_succeeds_is_forgotten() {
         trial.vehicle.replies.remove("RCN");
         trial.vehicle.inserted.remove(&1);
         trial.run_for(20.0);
-        let mut last = String::new();
-        for tag in 10..20 {
-            begins(&mut trial, Some(1), None);
-            trial.run_for(60.0);
-            last = fate(&mut trial, at_once(line(tag, (300.0, 300.0), (500.0, 300.0))), tag);
-            if last.contains("Accepted") {
-                break;
-            }
-        }
-        last
+        asks_to_interrupt(&mut trial)
     };
     assert!(flown(false).contains("Accepted"));
     assert!(flown(true).contains("Accepted"));
@@ -107,14 +81,14 @@ fn sr_002_the_way_on_from_an_insert_to_the_last_point_of_the_same_behavior_is_ju
 fn sr_025_a_begin_out_of_order_that_names_another_dive_takes_the_plan_away() {
     let flown = |late: bool| {
         let mut trial = Trial::under_way();
-        let first = begin_of(&trial, "a", Some(1), None);
+        let first = begin_of(&trial, "a", Some(1), None, "trackline");
         trial.hear_now([first]);
         trial.run_for(3.0);
         trial.vehicle.replies.insert("RMP", Reply::Silent);
-        let other = begin_of(&trial, "c", Some(1), None);
+        let other = begin_of(&trial, "c", Some(1), None, "trackline");
         if late {
             trial.run_for(0.2);
-            let adjusts = begin_of(&trial, "", None, None);
+            let adjusts = begin_of(&trial, "", None, None, "trackline");
             trial.hear_now([adjusts]);
         }
         trial.hear_now([other]);
@@ -130,12 +104,12 @@ fn sr_025_a_begin_out_of_order_that_names_another_dive_takes_the_plan_away() {
 #[test]
 fn sr_025_a_begin_of_another_dive_after_the_clock_was_set_back() {
     let mut trial = Trial::under_way();
-    let first = begin_of(&trial, "a", Some(1), None);
+    let first = begin_of(&trial, "a", Some(1), None, "trackline");
     trial.hear_now([first]);
     trial.run_for(3.0);
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.vehicle.clock_nanos -= 42 * SECOND;
-    let other = begin_of(&trial, "c", Some(1), None);
+    let other = begin_of(&trial, "c", Some(1), None, "trackline");
     trial.hear_now([other]);
     put(&mut trial, 90.0, -500.0, 0.0);
     trial.run_for(35.0);
@@ -146,7 +120,7 @@ fn steers_after_begins(mut trial: Trial) -> Vec<bool> {
     let mut steered = Vec::new();
     for turn in 0..20_u32 {
         let number = 1 + turn % 2;
-        let next = begin_of(&trial, "", Some(number), None);
+        let next = begin_of(&trial, "", Some(number), None, "trackline");
         trial.hear_now([next]);
         trial.run_for(25.0);
         let tag = u64::from(100 + turn);
@@ -166,7 +140,7 @@ fn begins_count_again_a_while_after_the_clock_was_set_forward() {
     let mut trial = Trial::under_way();
     trial.run_for(3.0);
     trial.vehicle.clock_nanos += 3600 * SECOND;
-    let next = begin_of(&trial, "", Some(1), None);
+    let next = begin_of(&trial, "", Some(1), None, "trackline");
     trial.hear_now([next]);
     trial.run_for(40.0);
     let steered = steers_after_begins(trial);
@@ -211,7 +185,7 @@ fn an_insert_of_a_previous_run_that_ends_during_the_plan_is_over() {
     trial.vehicle.say_element(now, Some(1), None, 1, (600.0, 0.0));
     trial.vehicle.say_element(now, Some(2), None, 0, (600.0, 300.0));
     trial.run_for(0.2);
-    let end = end_of(&trial, None, Some(3));
+    let end = end_of(&trial, None, Some(3), "trackline");
     trial.hear_now([end]);
     let now = trial.now;
     trial
@@ -241,7 +215,7 @@ fn an_insert_of_a_previous_run_that_ends_during_the_plan_is_over() {
 #[test]
 fn sr_009_a_begin_that_comes_again_does_not_end_an_insert_that_began_unheard() {
     let mut trial = Trial::under_way();
-    let leg = begin_of(&trial, "", Some(1), None);
+    let leg = begin_of(&trial, "", Some(1), None, "trackline");
     trial.hear_now([leg.clone()]);
     trial.run_for(1.0);
     accepted(&mut trial, good_line(2), 2);
@@ -327,16 +301,7 @@ fn a_doubtful_insert_whose_pending_cancel_succeeds_after_the_plan_is_over() {
         trial.run_for(4.0);
         trial.vehicle.inserted.remove(&1);
         trial.run_for(20.0);
-        let mut last = String::new();
-        for tag in 10..20 {
-            begins(&mut trial, Some(1), None);
-            trial.run_for(60.0);
-            last = fate(&mut trial, at_once(line(tag, (300.0, 300.0), (500.0, 300.0))), tag);
-            if last.contains("Accepted") {
-                break;
-            }
-        }
-        last
+        asks_to_interrupt(&mut trial)
     };
     let (at_once, pending) = (flown(false), flown(true));
     assert!(at_once.contains("Accepted") && pending.contains("Accepted"));
@@ -346,7 +311,7 @@ fn a_doubtful_insert_whose_pending_cancel_succeeds_after_the_plan_is_over() {
 #[test]
 fn sr_002_a_begin_that_comes_again_does_not_show_what_is_flown() {
     let mut trial = Trial::under_way();
-    let leg = begin_of(&trial, "", Some(1), None);
+    let leg = begin_of(&trial, "", Some(1), None, "trackline");
     trial.hear_now([leg.clone()]);
     trial.run_for(1.0);
     accepted(
@@ -422,11 +387,11 @@ fn an_insert_that_ends_out_of_order_is_over() {
     let mut trial = Trial::under_way();
     accepted(&mut trial, good_line(1), 1);
     trial.vehicle.inserted.remove(&1);
-    let begun = begin_of(&trial, "", None, Some(1));
+    let begun = begin_of(&trial, "", None, Some(1), "trackline");
     trial.run_for(0.2);
-    let end = end_of(&trial, None, Some(1));
+    let end = end_of(&trial, None, Some(1), "trackline");
     trial.run_for(0.2);
-    let leg = begin_of(&trial, "", Some(2), None);
+    let leg = begin_of(&trial, "", Some(2), None, "trackline");
     trial.hear_now([leg]);
     trial.run_for(0.2);
     trial.hear_now([end]);
@@ -492,16 +457,7 @@ fn an_insert_of_a_previous_run_whose_end_was_damaged_is_over() {
         ends(&mut trial, None, Some(3));
         trial.way = None;
         trial.vehicle.others.clear();
-        let mut last = String::new();
-        for tag in 10..20 {
-            begins(&mut trial, Some(1), None);
-            trial.run_for(60.0);
-            last = fate(&mut trial, at_once(line(tag, (300.0, 300.0), (500.0, 300.0))), tag);
-            if last.contains("Accepted") {
-                break;
-            }
-        }
-        last
+        asks_to_interrupt(&mut trial)
     };
     assert!(flown(false).contains("Accepted"));
     assert!(flown(true).contains("Accepted"));
@@ -527,16 +483,7 @@ fn an_unanswered_insert_that_is_flown_unheard_is_over() {
         ends(&mut trial, None, Some(1));
         trial.way = None;
         trial.vehicle.replies.clear();
-        let mut last = String::new();
-        for tag in 10..20 {
-            begins(&mut trial, Some(1), None);
-            trial.run_for(60.0);
-            last = fate(&mut trial, at_once(line(tag, (300.0, 300.0), (500.0, 300.0))), tag);
-            if last.contains("Accepted") {
-                break;
-            }
-        }
-        last
+        asks_to_interrupt(&mut trial)
     };
     assert!(flown(false).contains("Accepted"));
     assert!(flown(true).contains("Accepted"));

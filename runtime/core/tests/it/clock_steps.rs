@@ -2,44 +2,13 @@
 
 use backseat_core::plugin::Request;
 use backseat_core::{Condition, ControlHook, Operator, Order, Policy, Settings};
-use backseat_spi::{BehaviorBegin, BehaviorEnd, BehaviorId, FromVehicle, MissionCommand, MissionStatus, Text};
+use backseat_spi::{MissionCommand, Text};
 
 use crate::course::{good_line, interrupting, modify};
+use crate::scene::{begin_of, end_of, status_of};
 use crate::trial::{Setup, Trial, settings};
 
 const SECOND: i64 = 1_000_000_000;
-
-fn status_of(trial: &Trial, dive: &str) -> FromVehicle {
-    MissionStatus {
-        created: trial.vehicle.clock(trial.now),
-        dive_file: Text::cleaned(dive),
-        status: Text::cleaned("Running"),
-        details: Text::cleaned(""),
-    }
-    .into()
-}
-
-fn begin_of(trial: &Trial, dive: &str, number: u32) -> FromVehicle {
-    BehaviorBegin {
-        created: trial.vehicle.clock(trial.now),
-        dive_file: Text::cleaned(dive),
-        number: Some(number),
-        identifier: None,
-        kind: Text::cleaned("trackline"),
-    }
-    .into()
-}
-
-fn end_of(trial: &Trial, number: Option<u32>, identifier: Option<u32>) -> FromVehicle {
-    BehaviorEnd {
-        created: trial.vehicle.clock(trial.now),
-        dive_file: Text::cleaned(""),
-        number,
-        identifier: identifier.map(BehaviorId::new),
-        kind: Text::cleaned("trackline"),
-    }
-    .into()
-}
 
 fn says(trial: &mut Trial, text: &str) {
     let command = MissionCommand {
@@ -53,12 +22,18 @@ fn says(trial: &mut Trial, text: &str) {
 /// The clock goes forward by 42 s, another dive begins, and the clock goes back.
 fn other_dive_between_steps() -> Trial {
     let mut trial = Trial::under_way();
-    let first = [status_of(&trial, "a.dive"), begin_of(&trial, "a", 1)];
+    let first = [
+        status_of(&trial, "a.dive", "Running"),
+        begin_of(&trial, "a", Some(1), None, "trackline"),
+    ];
     trial.hear_now(first);
     trial.run_for(3.0);
     trial.vehicle.clock_nanos += 42 * SECOND;
     trial.run_for(0.01);
-    let other = [status_of(&trial, "b.dive"), begin_of(&trial, "b", 1)];
+    let other = [
+        status_of(&trial, "b.dive", "Running"),
+        begin_of(&trial, "b", Some(1), None, "trackline"),
+    ];
     trial.hear_now(other);
     trial.run_for(0.12);
     trial.vehicle.clock_nanos -= 42 * SECOND;
@@ -89,7 +64,7 @@ fn steers_after_a_dive_between_two_clock_steps() {
 fn inserts_after_a_begin_between_clock_steps() {
     let mut trial = other_dive_between_steps();
     trial.run_for(30.0);
-    let next = begin_of(&trial, "b", 2);
+    let next = begin_of(&trial, "b", Some(2), None, "trackline");
     trial.hear_now([next]);
     trial.run_for(90.0);
     assert!(trial.core.has_control(), "{}", state(&trial));
@@ -103,7 +78,7 @@ fn inserts_after_a_begin_between_clock_steps() {
 fn inserts_after_a_later_begin() {
     let mut trial = other_dive_between_steps();
     trial.run_for(70.0);
-    let next = begin_of(&trial, "b", 2);
+    let next = begin_of(&trial, "b", Some(2), None, "trackline");
     trial.hear_now([next]);
     trial.run_for(20.0);
     trial.ask(0, [good_line(2)]);
@@ -122,9 +97,9 @@ fn insert_flown_unheard(request: Request) -> Trial {
     trial.vehicle.begin(now, None, Some(1));
     trial.run_for(10.0);
     trial.vehicle.inserted.clear();
-    let end = end_of(&trial, None, Some(1));
+    let end = end_of(&trial, None, Some(1), "trackline");
     trial.hear_now([end]);
-    let next = begin_of(&trial, "b", 1);
+    let next = begin_of(&trial, "b", Some(1), None, "trackline");
     trial.hear_now([next]);
     trial
 }
@@ -132,7 +107,7 @@ fn insert_flown_unheard(request: Request) -> Trial {
 fn flies_on(trial: &mut Trial) {
     for number in [2, 1, 2, 1] {
         trial.run_for(150.0);
-        let next = begin_of(trial, "b", number);
+        let next = begin_of(trial, "b", Some(number), None, "trackline");
         trial.hear_now([next]);
     }
     trial.run_for(150.0);
@@ -152,7 +127,10 @@ fn an_interrupting_insert_flown_between_clock_steps_is_over() {
 /// Without clock steps: the begin and the end of the insert are damaged (`heard_end`: only the begin).
 fn insert_flown_damaged(heard_end: bool) {
     let mut trial = Trial::under_way();
-    let first = [status_of(&trial, "b.dive"), begin_of(&trial, "b", 1)];
+    let first = [
+        status_of(&trial, "b.dive", "Running"),
+        begin_of(&trial, "b", Some(1), None, "trackline"),
+    ];
     trial.hear_now(first);
     trial.run_for(3.0);
     trial.ask(0, [good_line(2)]);
@@ -162,12 +140,12 @@ fn insert_flown_damaged(heard_end: bool) {
     trial.run_for(10.0);
     trial.vehicle.inserted.clear();
     if heard_end {
-        let end = end_of(&trial, None, Some(1));
+        let end = end_of(&trial, None, Some(1), "trackline");
         trial.hear_now([end]);
     } else {
         trial.hear_bytes(b"$BFMBE,081025.987,0*00\r\n");
     }
-    let next = begin_of(&trial, "b", 1);
+    let next = begin_of(&trial, "b", Some(1), None, "trackline");
     trial.hear_now([next]);
     flies_on(&mut trial);
 }
@@ -195,7 +173,7 @@ fn a_new_mission_after_the_clock_was_set_back_gets_control() {
     trial.vehicle.set_status(now, "Running");
     let at = trial.now;
     trial.run_for(60.0);
-    let begun = begin_of(&trial, "b", 1);
+    let begun = begin_of(&trial, "b", Some(1), None, "trackline");
     trial.hear_now([begun]);
     trial.run_for(15.0);
     assert!(trial.core.has_control(), "{}", state(&trial));
@@ -211,7 +189,7 @@ fn ignored_begins_do_not_flood() {
     let mut trial = other_dive_between_steps();
     let at = trial.now;
     for number in 0..2000 {
-        let next = begin_of(&trial, "b", number);
+        let next = begin_of(&trial, "b", Some(number), None, "trackline");
         trial.hear_now([next]);
         trial.run_for(0.02);
     }
@@ -238,7 +216,10 @@ fn a_third_dive_after_the_clock_was_set_back() {
     let mut trial = other_dive_between_steps();
     trial.run_for(15.0);
     let at = trial.now;
-    let third = [status_of(&trial, "c.dive"), begin_of(&trial, "c", 1)];
+    let third = [
+        status_of(&trial, "c.dive", "Running"),
+        begin_of(&trial, "c", Some(1), None, "trackline"),
+    ];
     trial.hear_now(third);
     let had_control = trial.core.has_control();
     trial.run_for(20.0);
@@ -373,13 +354,13 @@ fn a_release_older_than_a_second_hold_is_ignored() {
 fn a_third_dive_by_status_only_after_the_clock_was_set_back() {
     let mut trial = other_dive_between_steps();
     trial.run_for(15.0);
-    let third = status_of(&trial, "c.dive");
+    let third = status_of(&trial, "c.dive", "Running");
     trial.hear_now([third]);
     let at = trial.now;
     trial.run_for(80.0);
-    let again = status_of(&trial, "c.dive");
+    let again = status_of(&trial, "c.dive", "Running");
     trial.hear_now([again]);
-    let begun = begin_of(&trial, "", 1);
+    let begun = begin_of(&trial, "", Some(1), None, "trackline");
     trial.hear_now([begun]);
     trial.run_for(20.0);
     assert!(!trial.sent_since("RMP", at).is_empty(), "{}", state(&trial));
@@ -392,7 +373,7 @@ fn a_begin_on_a_new_connection_after_the_clock_was_set_back_counts() {
     trial.run_for(2.0);
     trial.cut();
     trial.run_for(20.0);
-    let next = begin_of(&trial, "b", 2);
+    let next = begin_of(&trial, "b", Some(2), None, "trackline");
     trial.hear_now([next]);
     trial.run_for(90.0);
     trial.ask(0, [good_line(2)]);

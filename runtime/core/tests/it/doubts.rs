@@ -5,33 +5,11 @@ use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
 use crate::course::{line, modify};
-use crate::scene::{accepted, begins, ends, hands_over, outage, tells_plan_of};
+use crate::scene::{accepted, begins, ends, hands_over, outage, outage_with, with_plan};
 use crate::trial::{Setup, Trial};
 use crate::unheard::damage;
 use crate::vehicle::Reply;
 use crate::ways::{fate, put, refused, wreck};
-
-fn outage_with(trial: &mut Trial, plan: &[(u32, &[(f64, f64)])]) {
-    trial.vehicle.replays = false;
-    trial.cut();
-    trial.run_for(1.5);
-    assert!(trial.is_connected());
-    tells_plan_of(trial, plan);
-    hands_over(trial);
-    trial.run_for(0.5);
-    tells_plan_of(trial, plan);
-    assert!(trial.core.has_control(), "{:#?}", trial.notes());
-}
-
-fn with_plan(plan: &[(u32, &[(f64, f64)])], start: (f64, f64)) -> Trial {
-    let mut trial = Trial::new();
-    trial.vehicle.replies.insert("RMP", Reply::Silent);
-    trial.vehicle.start = EastNorth::new(start.0, start.1);
-    trial.run_for(1.0);
-    tells_plan_of(&mut trial, plan);
-    assert!(trial.core.has_control(), "{:#?}", trial.notes());
-    trial
-}
 
 /// Another payload inserts too. It inserts 41, which interrupts; the BFMBS is damaged. 41 runs along a leg of the plan.
 #[test]

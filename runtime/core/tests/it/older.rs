@@ -4,37 +4,15 @@ use std::time::Duration;
 
 use backseat_core::plugin::Request;
 use backseat_core::{Operator, Order};
-use backseat_spi::{AckStatus, BehaviorBegin, BehaviorEnd, BehaviorId, FromVehicle, Text};
+use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
 use crate::course::{good_line, line, modify};
-use crate::scene::{accepted, begins, ends, tells_plan_of};
+use crate::scene::{accepted, begin_of, begins, end_of, ends, tells_plan_of};
 use crate::trial::{Trial, shorts};
 use crate::unheard::damage;
 use crate::vehicle::Reply;
 use crate::ways::{fate, put, refused, wreck};
-
-fn begin_of(trial: &Trial, number: Option<u32>, identifier: Option<u32>, kind: &str) -> FromVehicle {
-    BehaviorBegin {
-        created: trial.vehicle.clock(trial.now),
-        dive_file: Text::cleaned(""),
-        number,
-        identifier: identifier.map(BehaviorId::new),
-        kind: Text::cleaned(kind),
-    }
-    .into()
-}
-
-fn end_of(trial: &Trial, number: Option<u32>, identifier: Option<u32>, kind: &str) -> FromVehicle {
-    BehaviorEnd {
-        created: trial.vehicle.clock(trial.now),
-        dive_file: Text::cleaned(""),
-        number,
-        identifier: identifier.map(BehaviorId::new),
-        kind: Text::cleaned(kind),
-    }
-    .into()
-}
 
 fn late_begin(lose: bool, late: bool) -> String {
     let mut trial = Trial::under_way();
@@ -43,7 +21,7 @@ fn late_begin(lose: bool, late: bool) -> String {
         Request::Trackline(line(2, (900.0, -1500.0), (-900.0, -1500.0))),
         2,
     );
-    let leg = begin_of(&trial, Some(2), None, "waypoint");
+    let leg = begin_of(&trial, "", Some(2), None, "waypoint");
     if !late {
         trial.hear_now([leg.clone()]);
     }
@@ -80,7 +58,7 @@ fn sr_002_a_late_begin_of_our_insert_after_a_loss_does_not_show_that_it_is_flown
         Request::Trackline(line(2, (300.0, -500.0), (600.0, -500.0))),
         2,
     );
-    let insert = begin_of(&trial, None, Some(1), "trackline");
+    let insert = begin_of(&trial, "", None, Some(1), "trackline");
     trial.run_for(0.5);
     trial.way = Some(Box::new(damage("BFMB", "")));
     ends(&mut trial, None, Some(1));
@@ -97,7 +75,7 @@ fn sr_002_a_late_begin_of_our_insert_after_a_loss_does_not_show_that_it_is_flown
 fn sr_009_a_begin_older_than_a_loss_does_not_end_an_insert_that_began_unheard() {
     let mut trial = Trial::under_way();
     accepted(&mut trial, good_line(2), 2);
-    let leg = begin_of(&trial, Some(2), None, "waypoint");
+    let leg = begin_of(&trial, "", Some(2), None, "waypoint");
     trial.run_for(0.5);
     trial.way = Some(Box::new(damage("BFMB", "")));
     ends(&mut trial, Some(2), None);
@@ -171,7 +149,7 @@ fn two_adjustments_that_begin_at_once_are_two() {
                 if end {
                     end_of(&trial, None, None, kind)
                 } else {
-                    begin_of(&trial, None, None, kind)
+                    begin_of(&trial, "", None, None, kind)
                 }
             })
             .collect();

@@ -1,10 +1,11 @@
 //! What several tests do to a vehicle, and check.
 
 use backseat_core::plugin::{Request, TracklineRequest};
-use backseat_spi::AckStatus;
+use backseat_spi::{AckStatus, BehaviorBegin, BehaviorEnd, BehaviorId, FromVehicle, MissionStatus, Text};
 use backseat_units::EastNorth;
 
 use crate::trial::{Trial, short, shorts};
+use crate::vehicle::Reply;
 
 /// Brings the vehicle to this place, and leaves navigation 12 s to become steady again.
 pub(crate) fn led_to(trial: &mut Trial, east_m: f64, north_m: f64) {
@@ -107,3 +108,69 @@ pub(crate) fn refused_for(trial: &mut Trial, request: Request, tag: u64, why: &s
 pub(crate) const WEST: ((f64, f64), (f64, f64)) = ((-900.0, -1500.0), (-1200.0, -1500.0));
 
 pub(crate) const EAST: ((f64, f64), (f64, f64)) = ((900.0, -1500.0), (1200.0, -1500.0));
+
+/// A vehicle that keeps silent on BPRMP has told its plan, and is at this place.
+pub(crate) fn with_plan(plan: &[(u32, &[(f64, f64)])], start: (f64, f64)) -> Trial {
+    let mut trial = Trial::new();
+    trial.vehicle.replies.insert("RMP", Reply::Silent);
+    trial.vehicle.start = EastNorth::new(start.0, start.1);
+    trial.run_for(1.0);
+    tells_plan_of(&mut trial, plan);
+    assert!(trial.core.has_control(), "{:#?}", trial.notes());
+    trial
+}
+
+/// Such a vehicle loses the link, and tells its plan on the next one.
+pub(crate) fn outage_with(trial: &mut Trial, plan: &[(u32, &[(f64, f64)])]) {
+    trial.vehicle.replays = false;
+    trial.cut();
+    trial.run_for(1.5);
+    assert!(trial.is_connected());
+    tells_plan_of(trial, plan);
+    hands_over(trial);
+    trial.run_for(0.5);
+    // `Running` makes core ask again.
+    tells_plan_of(trial, plan);
+    assert!(trial.core.has_control(), "{:#?}", trial.notes());
+}
+
+/// A BFMBS that the vehicle makes now.
+pub(crate) fn begin_of(
+    trial: &Trial,
+    dive: &str,
+    number: Option<u32>,
+    identifier: Option<u32>,
+    kind: &str,
+) -> FromVehicle {
+    BehaviorBegin {
+        created: trial.vehicle.clock(trial.now),
+        dive_file: Text::cleaned(dive),
+        number,
+        identifier: identifier.map(BehaviorId::new),
+        kind: Text::cleaned(kind),
+    }
+    .into()
+}
+
+/// A BFMBE that the vehicle makes now.
+pub(crate) fn end_of(trial: &Trial, number: Option<u32>, identifier: Option<u32>, kind: &str) -> FromVehicle {
+    BehaviorEnd {
+        created: trial.vehicle.clock(trial.now),
+        dive_file: Text::cleaned(""),
+        number,
+        identifier: identifier.map(BehaviorId::new),
+        kind: Text::cleaned(kind),
+    }
+    .into()
+}
+
+/// A BFMIS that the vehicle makes now.
+pub(crate) fn status_of(trial: &Trial, dive: &str, status: &str) -> FromVehicle {
+    MissionStatus {
+        created: trial.vehicle.clock(trial.now),
+        dive_file: Text::cleaned(dive),
+        status: Text::cleaned(status),
+        details: Text::cleaned(""),
+    }
+    .into()
+}

@@ -4,7 +4,7 @@ use backseat_core::plugin::Request;
 use backseat_units::EastNorth;
 
 use crate::course::{line, modify, turn};
-use crate::scene::{accepted, at_once, begins, ends, hands_over, led_to, outage, tells_plan_of};
+use crate::scene::{accepted, at_once, begins, ends, hands_over, led_to, outage, outage_with, tells_plan_of};
 use crate::trial::{Setup, Trial, shorts};
 use crate::unheard::damage;
 use crate::vehicle::Reply;
@@ -82,19 +82,6 @@ fn sr_002_the_begin_of_another_leg_does_not_show_what_is_taken_up_after_an_outag
     trial.run_for(30.0);
     put(&mut trial, 0.0, 700.0, -1000.0);
     refused("outage", &fate(&mut trial, Request::Modify(modify(9)), 9));
-}
-
-fn outage_with(trial: &mut Trial, plan: &[(u32, &[(f64, f64)])]) {
-    trial.vehicle.replays = false;
-    trial.cut();
-    trial.run_for(1.5);
-    assert!(trial.is_connected());
-    tells_plan_of(trial, plan);
-    hands_over(trial);
-    trial.run_for(0.5);
-    // `Running` makes core ask again.
-    tells_plan_of(trial, plan);
-    assert!(trial.core.has_control(), "{:#?}", trial.notes());
 }
 
 const WEST_LEG: &[(u32, &[(f64, f64)])] = &[(1, &[(-1900.0, 0.0), (-700.0, 0.0)])];

@@ -5,8 +5,8 @@ use backseat_units::{TimeOfDay, Timestamp};
 use crate::settings::ControlHook;
 use crate::vehicle::clock::elapsed_nanos;
 
-/// For how long a message about control can be older than one that came before it. After that, a time of day that seems older is that of
-/// another day, or the vehicle's clock was set.
+/// For how long a message can count as older than one that came before it. After that, a time of day that seems older is
+/// that of another day, or the vehicle's clock was set.
 const OLDER_WITHIN: Duration = Duration::from_secs(60);
 
 const DAY_NANOS: i64 = 86_400_000_000_000;
@@ -119,10 +119,11 @@ impl Control {
         self.doubted = None;
     }
 
-    /// A BFCTL, or a BFMSC with one of the texts for it. One that gives control does not count if the vehicle made it before the newest one that took control
-    /// away: either it is late, or the vehicle's clock was set. Nobody can tell which, so it is unknown who has control.
-    /// The same for the newest one that could not be read: `made` is the earliest that the vehicle may have made this one, by
-    /// our clock. Returns whether this one counts.
+    /// A BFCTL, or a BFMSC with one of the texts for it, has come. One that gives control does not count if the vehicle made
+    /// it before the newest one that took control away: either it is late, or the vehicle's clock was set. Nobody can tell
+    /// which, so it is then unknown who has control. Nor does it count if the vehicle may have made it before the newest one
+    /// came that could not be read. `made` is the earliest time, by our clock, at which the vehicle may have made it.
+    /// Returns whether it counts.
     pub(crate) fn hand_over(&mut self, now: Timestamp, (created, made): (TimeOfDay, Timestamp), granted: bool) -> bool {
         let counts = !granted || !(self.revoked.is_after(now, created) || self.is_doubted(now, made));
         if !granted {
@@ -132,8 +133,8 @@ impl Control {
         counts
     }
 
-    /// The same for a BFMIS: it does not count if it says `Running` and was made before the newest one that says something
-    /// else, or the other way round.
+    /// A BFMIS has come. One that says `Running` does not count if the vehicle made it before the newest one that says
+    /// something else, and the other way round. Returns whether it counts.
     pub(crate) fn mission(&mut self, now: Timestamp, (created, made): (TimeOfDay, Timestamp), running: bool) -> bool {
         let (this, other) = if running {
             (&mut self.ran, self.stopped)

@@ -109,8 +109,8 @@ impl Outlook<'_> {
         plan.lines().collect()
     }
 
-    /// The planned behaviors to whose lines, or to the ways to them, the vehicle moves. The vehicle may be coming back to one of
-    /// them, from where a modify has led it.
+    /// The planned behaviors to whose lines, or to the ways to them, the vehicle moves. The vehicle may be coming back to
+    /// one of them, from where a modify has led it.
     pub(crate) fn ahead(&self, here: EastNorth, velocity: EastNorth) -> BTreeSet<u32> {
         let plan = &self.vehicle.plan;
         let approaches = self.vehicle.courses.begun_of_plan().flat_map(|(number, begin)| {

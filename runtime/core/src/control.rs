@@ -82,6 +82,9 @@ pub(crate) struct Control {
     /// The newest BFMIS of this connection with the status `Running`, and the newest with another.
     ran: Newest,
     stopped: Newest,
+    /// When the operator held last, if that was not by text.
+    #[cfg_attr(feature = "explore", serde(skip))]
+    pub(crate) held_at: Option<Timestamp>,
     /// The newest BFMSC whose text held.
     pub(crate) held_by_text: Newest,
     /// When the newest message of this connection came that may have taken control away, and could not be read.
@@ -155,6 +158,12 @@ impl Control {
         ] {
             newest.clock_set(set);
         }
+    }
+
+    /// Whether a text that the vehicle made at this time at the earliest, by our clock, was made before the operator held last without a text.
+    pub(crate) fn is_before_hold(&self, now: Timestamp, made: Timestamp) -> bool {
+        let held = self.held_at.filter(|held| now.since(*held) < OLDER_WITHIN);
+        held.is_some_and(|held| made < held)
     }
 
     fn is_doubted(&self, now: Timestamp, made: Timestamp) -> bool {

@@ -50,6 +50,8 @@ impl Orders {
             // A hold overrides every plugin (safety requirement 015).
             Operator::Hold => {
                 cx.control.held = is_on(Check::OperatorHold);
+                cx.control.held_at = Some(cx.now);
+                cx.vehicle.previous_run.held();
                 capabilities.end_controlled(cx, Uncontrolled::OperatorHolds);
                 if is_on(Check::HoldCancels) {
                     capabilities.inserts.take_back_all(cx, None);

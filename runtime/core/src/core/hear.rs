@@ -17,6 +17,7 @@ use crate::plugin::{CtdSample, Event, Topic};
 use crate::settings::ControlHook;
 use crate::timer::Timer;
 use crate::vehicle::phase::is_over;
+use crate::vehicle::plan::Collected;
 
 /// Logs are closed within 10 s of BFSHT (safety requirement 011).
 const CLOSE_AFTER_SHUTDOWN: Duration = Duration::from_secs(8);
@@ -135,7 +136,10 @@ impl Core {
             FromVehicle::PlanElement(message) => {
                 self.cx.heard(message.created);
                 let frame = *self.cx.monitor.envelope.fence().frame();
-                self.cx.vehicle.plan.collect(&frame, &message);
+                if self.cx.vehicle.plan.collect(&frame, &message) == Collected::Late {
+                    self.cx.vehicle.plan.invalidate();
+                    self.session.want_plan(&mut self.cx);
+                }
                 if let Some(identifier) = message.identifier {
                     course::named(&mut self.cx, identifier);
                 }
@@ -311,7 +315,11 @@ impl Core {
             (false, true) => Operator::Release,
             (false, false) => return,
         };
+        let holds = act == Operator::Hold;
         self.orders.act(&mut self.cx, &mut self.capabilities, act);
+        if holds {
+            self.held_by_text();
+        }
         self.settle_control();
     }
 
@@ -332,11 +340,21 @@ impl Core {
         self.orders.carry_out(&mut self.cx, &mut self.capabilities, |policy| {
             is_met(&policy.when) && !(late && policy.order == Order::Release)
         });
+        if holds {
+            self.held_by_text();
+        }
     }
 
-    /// Whether a release was made before the newest hold by text: it comes late, or again.
+    /// The newest hold came by text, if there was one: then the time that the vehicle gave it counts.
+    const fn held_by_text(&mut self) {
+        self.cx.control.held_at = None;
+    }
+
+    /// Whether a release was made before the newest hold: it comes late, or again.
     fn is_before_hold(&mut self, created: TimeOfDay) -> bool {
-        let is_before = self.cx.control.held_by_text.is_after(self.cx.now, created);
+        let (now, made) = (self.cx.now, self.cx.when(created));
+        let control = &self.cx.control;
+        let is_before = control.held_by_text.is_after(now, created) || control.is_before_hold(now, made);
         if is_before {
             let text = "the release is ignored, because the vehicle made it before the hold: send it again".to_owned();
             self.cx.note(Note::Text { text });

@@ -1,10 +1,14 @@
 use std::collections::BTreeSet;
 
 use backseat_spi::{BehaviorId, PlanElement, PlanElementKind};
-use backseat_units::{EastNorth, LocalFrame, Timestamp};
+use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp};
+
+use crate::vehicle::clock::elapsed_nanos;
 
 /// A plan with more points than this is not believed.
 const POINTS_MAX: usize = 10_000;
+/// A message that the vehicle makes this long after the newest of a series may still belong to it.
+const SERIES_LASTS_NANOS: i64 = 1_000_000_000;
 /// How many of the numbers that the plan does not have are remembered.
 const LACKS_MAX: usize = 64;
 
@@ -76,6 +80,58 @@ impl Element {
     }
 }
 
+/// What became of a BFPLN.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Collected {
+    /// It is part of the series.
+    Taken,
+    /// It came before, or nobody asked for it.
+    Ignored,
+    /// It belongs to a series that had ended: the plan lacks it.
+    Late,
+}
+
+/// What tells two BFPLN apart: when the vehicle made them, number, identifier, index, and the bits of the position.
+type Told = (u64, Option<u32>, Option<BehaviorId>, u32, [u64; 2]);
+
+/// The messages of a series, to tell one that comes again.
+#[derive(Clone, Debug, Default)]
+struct Series {
+    messages: BTreeSet<Told>,
+    newest: Option<TimeOfDay>,
+}
+
+impl Series {
+    fn created(&self) -> Option<TimeOfDay> {
+        self.newest
+    }
+
+    /// Returns whether it is new.
+    fn insert(&mut self, message: &PlanElement) -> bool {
+        if self.messages.len() > POINTS_MAX {
+            return true;
+        }
+        let place = [
+            message.position.latitude.as_deg().to_bits(),
+            message.position.longitude.as_deg().to_bits(),
+        ];
+        let is_new = self.messages.insert((
+            message.created.as_nanos(),
+            message.number,
+            message.identifier,
+            message.index,
+            place,
+        ));
+        let is_later = self
+            .newest
+            .is_none_or(|newest| elapsed_nanos(newest, message.created) > 0);
+        if is_new && is_later {
+            self.newest = Some(message.created);
+        }
+        is_new
+    }
+}
+
 /// The vehicle's plan as the last answer to BPRMP gave it, and where in it the vehicle is.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
@@ -83,6 +139,9 @@ pub(crate) struct Plan {
     elements: Vec<Element>,
     collecting: Option<Vec<Element>>,
     points_collected: usize,
+    /// The messages of the series.
+    #[cfg_attr(feature = "explore", serde(skip))]
+    series: Series,
     /// The inserts that have ended since the series began.
     ended: BTreeSet<BehaviorId>,
     /// When the vehicle was asked for it.
@@ -122,14 +181,31 @@ impl Plan {
         self.collecting = Some(Vec::new());
         self.points_collected = 0;
         self.ended.clear();
+        self.series = Series::default();
         self.lost = lost;
         self.unreadable = false;
         self.first = None;
     }
 
     /// Takes a BFPLN.
-    pub(crate) fn collect(&mut self, frame: &LocalFrame, message: &PlanElement) {
-        let Some(elements) = &mut self.collecting else { return };
+    pub(crate) fn collect(&mut self, frame: &LocalFrame, message: &PlanElement) -> Collected {
+        let last = self.series.created();
+        let is_older = last.is_some_and(|last| elapsed_nanos(last, message.created) < 0);
+        let is_new = self.series.insert(message);
+        let Some(elements) = &mut self.collecting else {
+            // One that was made later belongs to another series, for which another payload may have asked.
+            let of_series = last.is_some_and(|last| elapsed_nanos(last, message.created) <= SERIES_LASTS_NANOS);
+            return if self.complete && is_new && of_series {
+                Collected::Late
+            } else {
+                Collected::Ignored
+            };
+        };
+        if !is_new {
+            return Collected::Ignored;
+        }
+        // The vehicle makes the messages of a series in their order.
+        self.unreadable |= is_older;
         let of = (message.number, message.identifier, message.index);
         if *self.first.get_or_insert(of) == of && (of.0.is_some() || of.1.is_some()) {
             // The series begins again: the plan was asked for twice, and both answers come.
@@ -157,6 +233,7 @@ impl Plan {
         if self.points_collected > POINTS_MAX {
             self.collecting = None;
         }
+        Collected::Taken
     }
 
     /// BPRMP leaves now.
@@ -434,7 +511,7 @@ mod tests {
         let mut plan = plan();
         for (number, index, east_m) in [(1, 0, 0.0), (2, 0, 100.0), (2, 1, 200.0), (3, 0, 300.0)] {
             let message = PlanElement {
-                created: TimeOfDay::MIDNIGHT,
+                created: TimeOfDay::MIDNIGHT + std::time::Duration::from_millis(1),
                 number: Some(number),
                 identifier: None,
                 index,

@@ -161,6 +161,11 @@ impl PreviousRun {
         self.left.insert(identifier) && !self.cancelled.contains_key(&identifier)
     }
 
+    /// The operator holds: all that waits may be cancelled again.
+    pub(crate) fn held(&mut self) {
+        self.cancelled.clear();
+    }
+
     /// An insert of a previous run was cancelled once more.
     pub(crate) fn taken_back(&mut self, identifier: BehaviorId) {
         *self.cancelled.entry(identifier).or_default() += 1;

@@ -44,6 +44,7 @@ mod previous_run;
 mod random;
 mod recovery;
 mod scene;
+mod series;
 mod session;
 mod silent;
 mod sonar;

@@ -1,18 +1,17 @@
-//! Messages of the plan out of order, and holds without a text: not mended yet.
+//! Messages of the plan out of order, and holds without a text.
 
 use std::time::Duration;
 
+use backseat_core::Operator;
 use backseat_core::plugin::Request;
-use backseat_core::{Operator, Order};
-use backseat_spi::{AckStatus, BehaviorBegin, BehaviorEnd, BehaviorId, FromVehicle, PlanElementKind, Text};
+use backseat_spi::{AckStatus, FromVehicle, PlanElementKind, Text};
 use backseat_units::EastNorth;
 
-use crate::course::{good_line, line, modify};
-use crate::scene::{accepted, at_once, begins, ends, tells_plan_of};
-use crate::trial::{Trial, shorts};
-use crate::unheard::damage;
+use crate::course::line;
+use crate::scene::{at_once, begins};
+use crate::trial::Trial;
 use crate::vehicle::Reply;
-use crate::ways::{fate, put, refused, wreck};
+use crate::ways::{fate, refused, wreck};
 
 /// What happens to the messages of the plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +31,9 @@ fn tells(trial: &mut Trial, plan: &[(u32, usize, (f64, f64))], series: Series) {
     let created = command.created().unwrap();
     let pending = |trial: &mut Trial| {
         let now = trial.now;
-        trial.vehicle.acknowledge(now, ("RMP", created, None, AckStatus::Pending));
+        trial
+            .vehicle
+            .acknowledge(now, ("RMP", created, None, AckStatus::Pending));
         trial.run_for(0.1);
     };
     let mut order: Vec<usize> = (0..plan.len()).collect();
@@ -76,7 +77,9 @@ fn tells(trial: &mut Trial, plan: &[(u32, usize, (f64, f64))], series: Series) {
         trial.run_for(0.02);
     }
     let now = trial.now;
-    trial.vehicle.acknowledge(now, ("RMP", created, None, AckStatus::Succeeded));
+    trial
+        .vehicle
+        .acknowledge(now, ("RMP", created, None, AckStatus::Succeeded));
     trial.run_for(0.2);
     if let Some(at) = late {
         let said = message(trial, at);

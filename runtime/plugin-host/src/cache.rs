@@ -10,7 +10,7 @@
 //! - the folder is no link, belongs to the effective user, and gives others no access ([`folder`]);
 //! - the file is a regular file and no link, belongs to the effective user, and has mode 0600. These are read from the
 //!   open file;
-//! - its header names this component and this engine, and the SHA-256 of the rest is the one that the header records
+//! - its header names this component and this engine, and the BLAKE3 of the rest is the one that the header records
 //!   ([`entry`]). The hash is no signature: it shows damage, not intent;
 //! - what is hashed is copied in the same pass into a file in memory, which is then sealed ([`held`]), and the engine maps
 //!   that one. So nobody can exchange or change it between check and use.

@@ -57,7 +57,7 @@ impl Artefact {
         // of wasmtime, and that the file never changes. What is held is that:
         // - `Folder::write` is the only code that writes a file with this header, and it writes what
         //   `Component::serialize` returned in `Cache::keep`. `Artefact::read` found the header, for this component and
-        //   the settings of this very engine, and a SHA-256 that the artefact still has. So damage is excluded, and so
+        //   the settings of this very engine, and a BLAKE3 that the artefact still has. So damage is excluded, and so
         //   is the artefact of another plugin, which the engine would accept.
         // - Nobody else can have forged such a file: `Folder::read` read it from a regular file that belongs to the
         //   effective user and that only this user may write (mode 0600), in a folder of this user that nobody else may

@@ -4,17 +4,15 @@
 //! |---|---|
 //! | 0 to 7 | `BACKSEAT` |
 //! | 8 to 11 | the version of this format |
-//! | 12 to 43 | SHA-256 of the component |
+//! | 12 to 43 | BLAKE3 of the component |
 //! | 44 to 75 | hash of the engine's version and settings |
 //! | 76 to 83 | length of the artefact |
-//! | 84 to 115 | SHA-256 of the artefact |
+//! | 84 to 115 | BLAKE3 of the artefact |
 //! | 116 to the end | the artefact |
 //!
 //! Numbers are little-endian. Each byte counts: none can change without a check that fails.
 
 use std::io::{self, ErrorKind, Read, Write};
-
-use sha2::{Digest, Sha256};
 
 use crate::cache::fault::Flaw;
 use crate::cache::key::{Hash256, Key, VERSION};
@@ -27,7 +25,7 @@ const PIECE: usize = 256 << 10;
 
 /// The header of an artefact.
 pub(super) fn header(key: &Key, artefact: &[u8]) -> [u8; HEADER] {
-    let digest: Hash256 = Sha256::digest(artefact).into();
+    let digest: Hash256 = blake3::hash(artefact).into();
     let mut header = [0; HEADER];
     let parts: [&[u8]; 6] = [
         MAGIC,
@@ -70,7 +68,7 @@ pub(super) fn copy(mut file: impl Read, bytes: u64, key: &Key, mut to: impl Writ
     if length != has {
         return Err(Flaw::Length { records: length, has }.into());
     }
-    let (mut hash, mut copied) = (Sha256::new(), 0);
+    let (mut hash, mut copied) = (blake3::Hasher::new(), 0);
     let mut piece = vec![0; PIECE];
     loop {
         let found = fill(&mut file, &mut piece)?;
@@ -96,7 +94,7 @@ pub(super) fn copy(mut file: impl Read, bytes: u64, key: &Key, mut to: impl Writ
     Ok(())
 }
 
-/// The length and the SHA-256 of the artefact, from the header of a file that was written for this key.
+/// The length and the BLAKE3 of the artefact, from the header of a file that was written for this key.
 fn read_header(header: &[u8], key: &Key) -> Result<(u64, Hash256), Flaw> {
     let (magic, rest) = header.split_first_chunk::<8>().ok_or(Flaw::Short)?;
     if magic != MAGIC {
@@ -216,7 +214,7 @@ mod tests {
         assert_eq!(of(Vec::clear), Some(Flaw::Short));
         assert_eq!(of(|file| file.truncate(40)), Some(Flaw::Short));
         assert_eq!(of(|file| file[0] = 0), Some(Flaw::Magic));
-        assert_eq!(of(|file| file[8] = 2), Some(Flaw::Version { found: 2 }));
+        assert_eq!(of(|file| file[8] = 3), Some(Flaw::Version { found: 3 }));
         assert_eq!(
             of(|file| file.truncate(120)),
             Some(Flaw::Length { records: 11, has: 4 })

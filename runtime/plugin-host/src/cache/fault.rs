@@ -59,7 +59,7 @@ pub(super) enum Flaw {
     Settings,
     #[error("records {records} bytes, and has {has}")]
     Length { records: u64, has: u64 },
-    #[error("damaged: its SHA-256 is not the one that it records")]
+    #[error("damaged: its BLAKE3 is not the one that it records")]
     Digest,
     #[error("the engine refuses it: {0}")]
     Engine(String),

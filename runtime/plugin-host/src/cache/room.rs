@@ -76,22 +76,22 @@ mod tests {
 
     #[test]
     fn only_names_that_this_program_gives_are_its_own() {
-        assert_eq!(kind(&format!("{NAME}.v1")), Some(Kind::Current));
-        assert_eq!(kind(&format!("{NAME}.v2")), Some(Kind::OtherVersion));
+        assert_eq!(kind(&format!("{NAME}.v2")), Some(Kind::Current));
+        assert_eq!(kind(&format!("{NAME}.v1")), Some(Kind::OtherVersion));
         assert_eq!(kind(&format!("{NAME}.v01")), Some(Kind::OtherVersion));
         assert_eq!(kind("backseat-draft-17-0"), Some(Kind::Draft));
         for other in [
             NAME,
             &format!("{NAME}.v"),
-            &format!("{NAME}.v1.txt"),
-            &format!("{NAME}.v1~"),
+            &format!("{NAME}.v2.txt"),
+            &format!("{NAME}.v2~"),
             &NAME.to_uppercase(),
-            "backseat-e3b0-0123.v1",
+            "backseat-e3b0-0123.v2",
             "backseat-draft-",
             "backseat-draft-17",
             "backseat-draft-a-b",
             "backseat.toml",
-            "backseat-notes.v1",
+            "backseat-notes.v2",
             "thesis.tex",
             "..",
         ] {

@@ -214,7 +214,7 @@ fn a_damaged_or_truncated_file_is_compiled_anew() {
     let mut damaged = whole.clone();
     damaged[whole.len() / 2] ^= 1;
     write(&damaged);
-    trial.refuses(&file, "damaged: its SHA-256 is not the one that it records");
+    trial.refuses(&file, "damaged: its BLAKE3 is not the one that it records");
     write(&whole[..whole.len() / 2]);
     let (records, has) = (whole.len() - 116, whole.len() / 2 - 116);
     trial.refuses(&file, &format!("records {records} bytes, and has {has}"));
@@ -249,12 +249,12 @@ fn a_file_of_another_version_or_engine_is_not_loaded() {
         fs::write(&file, bytes).unwrap();
     };
     change(8);
-    trial.refuses(&file, "format 2, expected 1");
+    trial.refuses(&file, "format 3, expected 2");
     change(44);
     trial.refuses(&file, "compiled by another engine, or with other settings");
     // Another engine has another name.
     let name = file.file_name().unwrap().to_str().unwrap().to_owned();
-    let elsewhere = file.with_file_name(name.replace(".v1", ".v2"));
+    let elsewhere = file.with_file_name(name.replace(".v2", ".v3"));
     fs::rename(&file, &elsewhere).unwrap();
     assert_eq!(trial.origin(), (Origin::Compiled, vec![]));
 }
@@ -385,7 +385,7 @@ fn what_was_used_least_recently_makes_room_and_a_file_of_somebody_else_never_doe
         path
     };
     let older = with(&name(&file).replace(&name(&file)[9..13], "0000"), 1000);
-    let version = with(&name(&file).replace(".v1", ".v7"), 2_000_000_000);
+    let version = with(&name(&file).replace(".v2", ".v7"), 2_000_000_000);
     let dead = with("backseat-draft-1-0", 1000);
     let foreign = with("thesis.tex", 10);
     // Reading it makes it the newest.

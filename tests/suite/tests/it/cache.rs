@@ -142,7 +142,7 @@ fn a_file_that_was_damaged_or_that_others_may_write_is_compiled_anew_with_a_line
     fs::write(file, bytes).unwrap();
     let open = |file: &Path| fs::set_permissions(file, fs::Permissions::from_mode(0o660)).unwrap();
     for (change, reason) in [
-        (None, "damaged: its SHA-256 is not the one that it records"),
+        (None, "damaged: its BLAKE3 is not the one that it records"),
         (Some(&open), "mode 660, expected 600"),
     ] {
         change.iter().for_each(|change| change(file));

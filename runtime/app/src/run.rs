@@ -121,9 +121,10 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     if let Some(locked) = &locked {
         // Nothing of a component runs before this.
         let compared = locked.compare(&mission, &read_components(&mission, plugins)?);
-        compared.map_err(|error| match settings(&arguments.mission.layers().set) {
-            Some(settings) => error.context(format!("{settings} changes the mission: leave it out")),
-            None => error,
+        let settings = arguments.mission.layers().names().join(" with ");
+        compared.map_err(|error| match settings.as_str() {
+            "" => error,
+            settings => error.context(format!("{settings} changes the mission: leave it out")),
         })?;
     } else if mission.folder.join(LOCK).exists() {
         info!("{LOCK} is there: without --locked NAME.pub nothing is compared with it");
@@ -284,15 +285,6 @@ fn look_at_clock(now: Utc, zones_change: bool, armed: bool) -> Result<()> {
     }
     warn!("this computer's clock: {wrong}; the log has that time");
     Ok(())
-}
-
-/// What changes a mission from outside of its files, if anything does.
-fn settings(sets: &[String]) -> Option<String> {
-    let variables = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
-    let ours = variables.filter(|name| name.starts_with("BACKSEAT__"));
-    let sets = sets.iter().map(|set| format!("--set {set}"));
-    let all: Vec<String> = sets.chain(ours).collect();
-    (!all.is_empty()).then(|| all.join(" with "))
 }
 
 /// Whether any plugin may make requests that need an identifier.

@@ -26,6 +26,21 @@ pub struct Layers {
     pub environment: bool,
 }
 
+impl Layers {
+    /// The names of what they set, in the order in which one overrides another: variables, then `--set KEY=VALUE`.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        if self.environment {
+            let variables = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
+            names.extend(variables.filter(|name| name.starts_with("BACKSEAT__")));
+            names.sort();
+        }
+        names.extend(self.set.iter().map(|set| format!("--set {set}")));
+        names
+    }
+}
+
 /// A mission, parsed and checked.
 pub struct Mission {
     /// The folder's name.
@@ -225,7 +240,6 @@ impl Mission {
 fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, MissionError> {
     let text = &set::plugins(text, &layers.set)?;
     let mut builder = Config::builder().add_source(File::from_str(text, FileFormat::Toml));
-    let mut names = vec![path.display().to_string()];
     if layers.environment {
         builder = builder.add_source(
             Environment::with_prefix("BACKSEAT")
@@ -233,16 +247,11 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
                 .separator("__")
                 .try_parsing(true),
         );
-        let variables = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
-        let mut ours: Vec<String> = variables.filter(|name| name.starts_with("BACKSEAT__")).collect();
-        ours.sort();
-        names.extend(ours);
     }
     for set in &layers.set {
         if let Some(line) = set::line(set)? {
             builder = builder.add_source(File::from_str(&line, FileFormat::Toml));
         }
-        names.push(format!("--set {set}"));
     }
     let over = |error: config::ConfigError| {
         let mut message = with_new_name(&dotted(&one_line(&error.to_string())));
@@ -258,7 +267,9 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
             ));
         }
         MissionError::Layer {
-            layer: names.join(" with "),
+            layer: [vec![path.display().to_string()], layers.names()]
+                .concat()
+                .join(" with "),
             message,
         }
     };

@@ -40,7 +40,12 @@ pub(crate) struct Parts {
     utc_at_start: Utc,
     /// When the current part began.
     began: Timestamp,
+    /// No other part is begun before this.
+    not_before: Timestamp,
 }
+
+/// After a part that could not begin, the next one is tried after this.
+const TRY_AGAIN: Duration = Duration::from_secs(30);
 
 impl Parts {
     pub(crate) fn new(splits: Vec<Split>, current: Current, mission: &str, utc_at_start: Utc) -> Self {
@@ -50,24 +55,33 @@ impl Parts {
             mission: mission.to_owned(),
             utc_at_start,
             began: Timestamp::ZERO,
+            not_before: Timestamp::ZERO,
         }
     }
 
-    /// Where the next part is written, if it is due at this time, with so many bytes in the current one.
-    pub(crate) fn next(&mut self, now: Timestamp, bytes: u64) -> Option<PathBuf> {
+    /// Where the next part is to be written, if it is due at this time, with so many bytes in the current one.
+    pub(crate) fn due(&self, now: Timestamp, bytes: u64) -> Option<PathBuf> {
         let due = |split: &Split| match *split {
             Split::After(after) => now.since(self.began) >= after,
             Split::Bytes(most) => bytes >= most,
         };
-        if !self.splits.iter().any(due) {
+        if now < self.not_before || !self.splits.iter().any(due) {
             return None;
         }
-        self.began = now;
         let path = self.current.path();
         let millis = self.utc_at_start.as_unix_nanos().saturating_add(now.as_nanos()) / 1_000_000;
-        let path = path.with_file_name(format!("{}-{millis}.mcap", self.mission));
-        self.current.set(path.clone());
-        Some(path)
+        Some(path.with_file_name(format!("{}-{millis}.mcap", self.mission)))
+    }
+
+    /// This part begins.
+    pub(crate) fn begin(&mut self, now: Timestamp, path: PathBuf) {
+        self.began = now;
+        self.current.set(path);
+    }
+
+    /// The next part could not begin.
+    pub(crate) fn put_off(&mut self, now: Timestamp) {
+        self.not_before = now + TRY_AGAIN;
     }
 }
 
@@ -109,16 +123,20 @@ mod tests {
         let splits = vec![Split::After(Duration::from_secs(60)), Split::Bytes(1000)];
         let utc = Utc::from_unix_nanos(1_000_000_000);
         let mut parts = Parts::new(splits, current.clone(), "dive", utc);
-        assert_eq!(parts.next(Timestamp::from_secs(59), 999), None);
-        assert_eq!(current.path(), first);
+        assert_eq!(parts.due(Timestamp::from_secs(59), 999), None);
         let second = PathBuf::from("logs/dive-61000.mcap");
-        assert_eq!(parts.next(Timestamp::from_secs(60), 10).as_ref(), Some(&second));
+        assert_eq!(parts.due(Timestamp::from_secs(60), 10).as_ref(), Some(&second));
+        assert_eq!(current.path(), first);
+        parts.begin(Timestamp::from_secs(60), second.clone());
         assert_eq!(current.path(), second);
-        assert_eq!(parts.next(Timestamp::from_secs(119), 999), None);
+        assert_eq!(parts.due(Timestamp::from_secs(119), 999), None);
         assert_eq!(
-            parts.next(Timestamp::from_secs(61), 1000),
+            parts.due(Timestamp::from_secs(61), 1000),
             Some(PathBuf::from("logs/dive-62000.mcap"))
         );
+        parts.put_off(Timestamp::from_secs(61));
+        assert_eq!(parts.due(Timestamp::from_secs(90), 1000), None);
+        assert!(parts.due(Timestamp::from_secs(91), 1000).is_some());
     }
 
     #[test]

@@ -4,9 +4,9 @@
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -40,6 +40,17 @@ pub(crate) struct Recording {
     ended: Receiver<()>,
     /// When the log goes on in another file; `None` for never.
     parts: Option<Parts>,
+    /// The part that is to follow, while its file is being created.
+    next: Option<Next>,
+}
+
+/// A part that is to follow.
+struct Next {
+    path: PathBuf,
+    queue: Queue,
+    /// Whether its file is there.
+    opened: Receiver<io::Result<()>>,
+    ended: Receiver<()>,
 }
 
 /// Records that were left out.
@@ -90,7 +101,7 @@ impl Recording {
     /// Writes the log to `file`; messages call it `name`.
     pub(crate) fn to(file: impl Write + Send + 'static, name: String, header: &Header<'_>) -> Result<Self> {
         let disk = Arc::new(Disk::default());
-        let (queue, ended) = queue(Arc::clone(&disk), || Ok(file))?;
+        let (queue, _opened, ended) = queue(Arc::clone(&disk), || Ok(file))?;
         Ok(Self {
             name: name.clone(),
             recorder: Some(Recorder::named(queue, name, header)?),
@@ -99,6 +110,7 @@ impl Recording {
             gap: None,
             ended,
             parts: None,
+            next: None,
         })
     }
 
@@ -108,33 +120,57 @@ impl Recording {
         self
     }
 
-    /// Goes on in the next part, if it is due. Its thread creates the file, so that nothing here waits for the disk.
+    /// Goes on in the next part, if it is due and its file is there. The part's own thread creates the file, so that nothing
+    /// here waits for the disk. If it cannot, this part goes on, and the next one is tried later.
     fn turn(&mut self, now: Timestamp) -> Result<(), RecorderError> {
         let bytes = self.disk.part.load(Ordering::Relaxed);
-        let (Some(recorder), None) = (&mut self.recorder, &self.gap) else {
+        let (Some(recorder), Some(parts), None) = (&mut self.recorder, &mut self.parts, &self.gap) else {
             return Ok(());
         };
-        // While the disk is behind, another file would wait too, with a thread of its own.
-        if self.disk.waiting.load(Ordering::Relaxed) > WAITING_LOW {
+        let Some(next) = self.next.take() else {
+            // While the disk is behind, another file would wait too, with a thread of its own.
+            let is_behind = self.disk.waiting.load(Ordering::Relaxed) > WAITING_LOW;
+            if !is_behind && let Some(path) = parts.due(now, bytes) {
+                let file = path.clone();
+                match queue(Arc::clone(&self.disk), move || File::create(file)) {
+                    Ok((queue, opened, ended)) => {
+                        self.next = Some(Next {
+                            path,
+                            queue,
+                            opened,
+                            ended,
+                        });
+                    }
+                    Err(error) => put_off(parts, now, &self.name, &path, &error.to_string()),
+                }
+            }
             return Ok(());
+        };
+        match next.opened.try_recv() {
+            Ok(Ok(())) => {
+                let name = next.path.display().to_string();
+                info!("the log goes on in {name}");
+                // The thread of the part before ends by itself.
+                self.ended = next.ended;
+                self.name.clone_from(&name);
+                parts.begin(now, next.path);
+                let turned = recorder.turn(next.queue, name);
+                self.disk.part.store(0, Ordering::Relaxed);
+                turned
+            }
+            Ok(Err(error)) => {
+                put_off(parts, now, &self.name, &next.path, &error.to_string());
+                Ok(())
+            }
+            Err(TryRecvError::Disconnected) => {
+                put_off(parts, now, &self.name, &next.path, "its thread has ended");
+                Ok(())
+            }
+            Err(TryRecvError::Empty) => {
+                self.next = Some(next);
+                Ok(())
+            }
         }
-        let Some(path) = self.parts.as_mut().and_then(|parts| parts.next(now, bytes)) else {
-            return Ok(());
-        };
-        let name = path.display().to_string();
-        let create = |source| RecorderError::Create {
-            path: path.clone(),
-            source,
-        };
-        let file = path.clone();
-        let (queue, ended) = queue(Arc::clone(&self.disk), move || File::create(file)).map_err(create)?;
-        info!("the log goes on in {name}");
-        // The thread of the part before ends by itself.
-        self.ended = ended;
-        self.name.clone_from(&name);
-        let turned = recorder.turn(queue, name);
-        self.disk.part.store(0, Ordering::Relaxed);
-        turned
     }
 
     /// Runs `act` to record something of the time `now`, where there is room for it. A gap gets this time too: it comes
@@ -207,17 +243,39 @@ impl Recording {
     }
 }
 
-/// Starts a thread that opens a file and writes to it. Returns its queue, and what tells that it has ended.
+/// Tries the next part again later.
+fn put_off(parts: &mut Parts, now: Timestamp, name: &str, path: &Path, error: &str) {
+    warn!(
+        "the log goes on in {name}, because its next part cannot begin: {}: {error}",
+        path.display()
+    );
+    parts.put_off(now);
+}
+
+/// Starts a thread that opens a file and writes to it. Returns its queue, and what tells whether the file is open, and that
+/// the thread has ended. Nothing may be put into the queue of a file that could not be opened.
 fn queue<F: Write>(
     disk: Arc<Disk>,
     open: impl FnOnce() -> io::Result<F> + Send + 'static,
-) -> io::Result<(Queue, Receiver<()>)> {
+) -> io::Result<(Queue, Receiver<io::Result<()>>, Receiver<()>)> {
     let (pieces, waiting) = channel();
+    let (has_opened, opened) = channel();
     let (has_ended, ended) = channel();
     let shared = Arc::clone(&disk);
     aside::spawn("log", move || {
         // A thread that has panicked takes no more pieces, so the queue stays full and no later send can fail.
-        if catch_unwind(AssertUnwindSafe(|| write_out(open(), &waiting, &shared))).is_err() {
+        let written = catch_unwind(AssertUnwindSafe(|| {
+            let (opened, file) = match open() {
+                Ok(file) => (Ok(()), Some(file)),
+                Err(error) => (Err(error), None),
+            };
+            // The loop may have ended.
+            let _gone = has_opened.send(opened);
+            if let Some(file) = file {
+                write_out(file, &waiting, &shared);
+            }
+        }));
+        if written.is_err() {
             shared.fail(io::Error::other("its thread has panicked"));
         }
         // The loop may have ended.
@@ -229,11 +287,11 @@ fn queue<F: Write>(
         buffer: Vec::with_capacity(PIECE),
         position: 0,
     };
-    Ok((queue, ended))
+    Ok((queue, opened, ended))
 }
 
-fn write_out(file: io::Result<impl Write>, pieces: &Receiver<Vec<u8>>, disk: &Disk) {
-    let mut file = file.map_err(|failure| disk.fail(failure)).ok();
+fn write_out(file: impl Write, pieces: &Receiver<Vec<u8>>, disk: &Disk) {
+    let mut file = Some(file);
     while let Ok(piece) = pieces.recv() {
         // After a failure the remaining pieces are taken and dropped, so that none pile up until the loop learns of it.
         if let Some(open) = &mut file
@@ -316,6 +374,7 @@ mod tests {
     use backseat_units::{Position, Utc};
 
     use super::*;
+    use crate::log_parts::{Current, Split};
 
     /// A disk that accepts nothing until the test lets it.
     struct Stuck {
@@ -389,6 +448,59 @@ mod tests {
             std::thread::yield_now();
         }
         recording.finish(at(1_000_000));
+    }
+
+    #[test]
+    fn sr_022_a_log_whose_next_part_cannot_begin_goes_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = folder.path().join("logs/dive-0.mcap");
+        let written = Arc::new(Mutex::new(Vec::new()));
+        let (_, thaw) = channel();
+        let disk = Stuck {
+            thaw,
+            thawed: true,
+            written: Arc::clone(&written),
+        };
+        let current = Current::new(&first);
+        let parts = Parts::new(
+            vec![Split::Bytes(1_000_000)],
+            current.clone(),
+            "dive",
+            Utc::from_unix_nanos(0),
+        );
+        let mut recording = Recording::to(disk, "a log".to_owned(), &header())
+            .unwrap()
+            .in_parts(parts);
+        let record = |recording: &mut Recording, second: u64| {
+            let now = Timestamp::from_secs(second);
+            let bytes = vec![b'x'; 100_000];
+            recording.record(now, |recorder| {
+                recorder.input(now, &backseat_core::Input::Received(&bytes))
+            });
+            // The part's thread has its turn.
+            std::thread::yield_now();
+        };
+        // There is no such folder, as there may be no file left for the process.
+        let mut second = 0;
+        while second < 40 || recording.next.is_some() {
+            second += 1;
+            record(&mut recording, second);
+        }
+        assert_eq!(current.path(), first);
+        std::fs::create_dir(folder.path().join("logs")).unwrap();
+        let before = second;
+        while current.path() == first {
+            second += 1;
+            assert!(second < 100_000, "no part begins");
+            record(&mut recording, second);
+        }
+        recording.finish(Timestamp::from_secs(second));
+        // Nothing is missing.
+        let one = parse(&written.lock().unwrap()).unwrap();
+        let two = parse(&std::fs::read(current.path()).unwrap()).unwrap();
+        assert!(one.complete && two.complete);
+        assert!(one.entries.len() as u64 >= before, "{} of {second}", one.entries.len());
+        assert_eq!(one.entries.len() + two.entries.len(), usize::try_from(second).unwrap());
     }
 
     #[test]

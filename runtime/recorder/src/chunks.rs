@@ -185,9 +185,14 @@ impl<R: Read> Chunks<R> {
     }
 
     fn damaged(&self, source: McapError) -> RecorderError {
-        RecorderError::Damaged {
-            log: self.log.clone(),
-            source: Box::new(source),
+        let log = self.log.clone();
+        if let McapError::UnsupportedCompression(with) = source {
+            RecorderError::Compressed { log, with }
+        } else {
+            RecorderError::Damaged {
+                log,
+                source: Box::new(source),
+            }
         }
     }
 }

@@ -45,6 +45,16 @@ pub enum RecorderError {
         /// Where reading fails.
         source: Box<mcap::McapError>,
     },
+    /// The file is MCAP with compressed chunks, which this project never writes.
+    #[error(
+        "log {log} is compressed with {with}, which this program does not read: `mcap decompress` writes a copy that it does"
+    )]
+    Compressed {
+        /// Path of the file, or `in memory`.
+        log: String,
+        /// The name of the compression.
+        with: String,
+    },
     /// The log has a format that another version of the program writes.
     #[error("log {log} has format {found:?}, and this version reads format {expected} only")]
     Format {

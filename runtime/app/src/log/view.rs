@@ -1,10 +1,11 @@
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use backseat_console::{About, Hub, Item, Kind, Limits, Listener, Origin, Service, Teller, serve, wants};
 use backseat_recorder::LogReader;
 use clap::Args;
+use serde::Deserialize;
 use tracing::warn;
 
 use super::expected_log;
@@ -40,10 +41,12 @@ pub(super) fn view(arguments: &LogView) -> Result<bool> {
     );
     let about = About {
         version: run.version.clone(),
+        armed: armed(&arguments.log),
         ..about
     };
     let hub = Hub::new(&about, Limits::RECORDED);
     let mut teller = Teller::new(about.budgets());
+    let mut damaged = false;
     loop {
         let message = match reader.next_message() {
             Ok(Some(message)) => message,
@@ -51,6 +54,7 @@ pub(super) fn view(arguments: &LogView) -> Result<bool> {
             // What comes before is whole.
             Err(error) => {
                 warn!("shown up to here: {error}");
+                damaged = true;
                 break;
             }
         };
@@ -63,7 +67,9 @@ pub(super) fn view(arguments: &LogView) -> Result<bool> {
             teller.hear(message.now, &message.topic, &message.data, tell);
         }
     }
-    let text = if reader.is_complete() {
+    let text = if damaged {
+        "the log is damaged: what follows cannot be read"
+    } else if reader.is_complete() {
         "the log ends here"
     } else {
         warn!(
@@ -86,4 +92,24 @@ pub(super) fn view(arguments: &LogView) -> Result<bool> {
     loop {
         std::thread::park();
     }
+}
+
+/// Whether the runtime might steer, as the start of the run has it. `None` if the log begins later: a part of one.
+fn armed(log: &Path) -> Option<bool> {
+    #[derive(Deserialize)]
+    struct Input {
+        start: Option<Start>,
+    }
+    #[derive(Deserialize)]
+    struct Start {
+        armed: bool,
+    }
+    let mut reader = LogReader::open(log).ok()?;
+    while let Ok(Some(message)) = reader.next_message() {
+        if &*message.topic == "/core/input" {
+            let input: Input = serde_json::from_slice(&message.data).ok()?;
+            return input.start.map(|start| start.armed);
+        }
+    }
+    None
 }

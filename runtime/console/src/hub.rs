@@ -1,3 +1,4 @@
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Instant;
@@ -24,6 +25,8 @@ struct Shared {
     newest: Mutex<Option<(f64, Instant)>>,
     history: Mutex<History>,
     metrics: Metrics,
+    /// Whether nothing follows any more.
+    over: AtomicBool,
     /// The number of the next item, for those who wait.
     news: watch::Sender<u64>,
 }
@@ -31,6 +34,10 @@ struct Shared {
 #[expect(clippy::disallowed_methods, reason = "how old the newest item is, for people")]
 fn now() -> Instant {
     Instant::now()
+}
+
+fn since(then: Instant) -> f64 {
+    now().duration_since(then).as_secs_f64()
 }
 
 /// A number that differs from run to run.
@@ -62,6 +69,7 @@ impl Hub {
             newest: Mutex::new(None),
             history: Mutex::new(History::new(limits)),
             metrics: Metrics::new(about),
+            over: AtomicBool::new(false),
             news: watch::Sender::new(1),
         }))
     }
@@ -83,7 +91,7 @@ impl Hub {
     fn follow(&self, mut teller: Teller, heard: &Heard) {
         let mut told_lost = 0;
         while let Ok(told) = heard.queue.recv() {
-            let lost = heard.lost.load(std::sync::atomic::Ordering::Relaxed);
+            let lost = heard.lost.load(Ordering::Relaxed);
             if lost > told_lost {
                 let item = Item::Line {
                     level: "warn",
@@ -98,12 +106,13 @@ impl Hub {
             });
         }
         let text = "the run is over".to_owned();
+        self.0.over.store(true, Ordering::Relaxed);
         self.add(teller.newest_s(), &Item::End { text }, true);
     }
 
     /// Adds what happened at `t` seconds. What is not kept reaches only browsers that listen now.
     pub fn add(&self, t: f64, item: &Item, keep: bool) {
-        self.0.metrics.observe(t, item);
+        self.0.metrics.observe(item);
         let next = {
             let mut history = self.lock();
             let written = Written {
@@ -157,13 +166,23 @@ impl Hub {
         // A simulation's time may go faster, or stand.
         let now = newest
             .filter(|_| about.kind == Kind::Live)
-            .map(|(t, came)| t + now().duration_since(came).as_secs_f64());
+            .map(|(t, came)| t + since(came));
         let pace = pace.map(|pace| Times { times: pace.told() });
         serde_json::to_string(&Now { about, now, pace }).unwrap_or_default()
     }
 
     pub(crate) fn metrics(&self) -> String {
-        self.0.metrics.text()
+        let newest = *self.0.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        let t = newest.map_or(0.0, |(t, came)| {
+            let goes_on = self.0.about.kind == Kind::Live || self.is_over();
+            t + if goes_on { since(came) } else { 0.0 }
+        });
+        self.0.metrics.text(t)
+    }
+
+    /// Whether nothing follows any more.
+    pub(crate) fn is_over(&self) -> bool {
+        self.0.over.load(Ordering::Relaxed)
     }
 
     pub(crate) fn history(&self) -> Vec<Numbered> {

@@ -1,5 +1,6 @@
 //! Figures for Prometheus, in the names that its conventions ask for: base units, and a counter ends in `_total`.
 
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::PoisonError;
 use std::sync::atomic::AtomicU64;
@@ -20,13 +21,14 @@ type Number = Gauge<f64, AtomicU64>;
 /// What the scrapes of Prometheus see of a run.
 pub(crate) struct Metrics {
     registry: Registry,
+    armed: Number,
     control: Number,
     steered: Family<Labels, Number>,
     held: Number,
     requests: Family<Labels, Counter>,
-    counted: Mutex<std::collections::BTreeMap<String, Counts>>,
-    failures: Family<Labels, Number>,
-    steps: Family<Labels, Number>,
+    counted: Mutex<BTreeMap<String, Counts>>,
+    failures: Family<Labels, Counter>,
+    steps: Family<Labels, Counter>,
     fuel: Family<Labels, Number>,
     measures: Family<Labels, Number>,
     position: Family<Labels, Number>,
@@ -38,6 +40,8 @@ pub(crate) struct Metrics {
     round_trip: Number,
     gap: Number,
     ages: Family<Labels, Number>,
+    /// When something was heard or sent last, as the last beat has it, seconds of the run.
+    last: Mutex<BTreeMap<&'static str, Option<f64>>>,
 }
 
 impl std::fmt::Debug for Metrics {
@@ -56,7 +60,7 @@ impl Metrics {
         registry.register("run", "What runs", info);
         let armed = Number::default();
         armed.set(f64::from(u8::from(about.armed == Some(true))));
-        registry.register("armed", "Whether the runtime may steer", armed);
+        registry.register("armed", "Whether the runtime may steer", armed.clone());
         let mut number = |name: &str, help: &str| {
             let gauge = Number::default();
             registry.register(name, help, gauge.clone());
@@ -84,19 +88,24 @@ impl Metrics {
             family
         };
         let steered = family("steering", "Whose lease goes on");
-        let failures = family("plugin_failures", "How often a plugin has failed");
-        let steps = family("plugin_steps", "Steps of a plugin");
         let fuel = family(
             "plugin_fuel_ratio",
             "The largest share of its fuel that a step of a plugin used",
         );
         let measures = family("measure", "What a plugin publishes, in its own unit");
         let position = family("position_degrees", "Latitude and longitude of the vehicle");
-        let ages = family("age_seconds", "How old something was at the last beat");
-        let requests = Family::<Labels, Counter>::default();
-        registry.register("requests", "Requests by owner and state", requests.clone());
+        let ages = family("age_seconds", "How long ago something was heard or sent");
+        let mut counters = |name: &str, help: &str| {
+            let family = Family::<Labels, Counter>::default();
+            registry.register(name, help, family.clone());
+            family
+        };
+        let requests = counters("requests", "Requests by owner and state");
+        let failures = counters("plugin_failures", "How often a plugin has failed");
+        let steps = counters("plugin_steps", "Steps of a plugin");
         Self {
             registry,
+            armed,
             control,
             steered,
             held,
@@ -115,11 +124,12 @@ impl Metrics {
             round_trip,
             gap,
             ages,
+            last: Mutex::default(),
         }
     }
 
-    /// Takes an item of the time `t`, seconds of the run.
-    pub(crate) fn observe(&self, t: f64, item: &Item) {
+    /// Takes an item.
+    pub(crate) fn observe(&self, item: &Item) {
         let flag = |gauge: &Number, is: bool| {
             gauge.set(f64::from(u8::from(is)));
         };
@@ -153,8 +163,10 @@ impl Metrics {
                     ("heard", beat.heard),
                     ("navigated", beat.navigated),
                 ] {
-                    let age = at.map_or(f64::NAN, |at| t - at);
-                    self.ages.get_or_create(&vec![("what", what.to_owned())]).set(age);
+                    self.last
+                        .lock()
+                        .unwrap_or_else(PoisonError::into_inner)
+                        .insert(what, at);
                 }
             }
             Item::Control { granted, .. } => flag(&self.control, *granted),
@@ -169,14 +181,14 @@ impl Metrics {
             Item::Plugin {
                 plugin: name, failures, ..
             } => {
-                self.failures.get_or_create(&plugin(name)).set(*failures as f64);
+                reach(&self.failures.get_or_create(&plugin(name)), *failures);
             }
             Item::Headroom {
                 plugin: name,
                 fuel,
                 steps,
             } => {
-                self.steps.get_or_create(&plugin(name)).set(*steps as f64);
+                reach(&self.steps.get_or_create(&plugin(name)), *steps);
                 if let Some(fuel) = fuel {
                     self.fuel.get_or_create(&plugin(name)).set(*fuel);
                 }
@@ -192,6 +204,12 @@ impl Metrics {
             }
             Item::Operator { act, .. } if act == "hold" || act == "release" => flag(&self.held, act == "hold"),
             Item::Integrity { ok, .. } => flag(&self.integrity, *ok),
+            // Nothing steers any more.
+            Item::End { .. } => {
+                flag(&self.armed, false);
+                flag(&self.control, false);
+                self.steered.clear();
+            }
             Item::Status { .. }
             | Item::Mission { .. }
             | Item::Behavior { .. }
@@ -206,12 +224,11 @@ impl Metrics {
             | Item::Swath { .. }
             | Item::Contact { .. }
             | Item::Pace { .. }
-            | Item::Truth { .. }
-            | Item::End { .. } => {}
+            | Item::Truth { .. } => {}
         }
     }
 
-    fn count(&self, by: &std::collections::BTreeMap<String, Counts>) {
+    fn count(&self, by: &BTreeMap<String, Counts>) {
         let mut counted = self.counted.lock().unwrap_or_else(PoisonError::into_inner);
         for (owner, now) in by {
             let before = counted.insert(owner.clone(), *now).unwrap_or_default();
@@ -227,8 +244,13 @@ impl Metrics {
         }
     }
 
-    /// All figures, in OpenMetrics' text.
-    pub(crate) fn text(&self) -> String {
+    /// All figures, in OpenMetrics' text. `t` is the time now, seconds of the run: ages grow also if nothing comes any more.
+    pub(crate) fn text(&self, t: f64) -> String {
+        for (what, at) in self.last.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+            // What was heard after the last item that has a time.
+            let age = at.map_or(f64::NAN, |at| (t - at).max(0.0));
+            self.ages.get_or_create(&vec![("what", (*what).to_owned())]).set(age);
+        }
         let mut text = String::new();
         // A String takes everything.
         encode(&mut text, &self.registry).ok();
@@ -236,10 +258,13 @@ impl Metrics {
     }
 }
 
+/// Counts up to a number.
+fn reach(counter: &Counter, count: u64) {
+    counter.inc_by(count.saturating_sub(counter.get()));
+}
+
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use super::*;
     use crate::about::{Kind, Origin};
     use crate::item::Beat;
@@ -254,25 +279,62 @@ mod tests {
         };
         for sent in [3, 5] {
             let by = BTreeMap::from([("isobath".to_owned(), counts(sent))]);
-            metrics.observe(1.0, &Item::Counts { all: counts(sent), by });
+            metrics.observe(&Item::Counts { all: counts(sent), by });
         }
         let reason = None;
-        metrics.observe(2.0, &Item::Control { granted: true, reason });
+        metrics.observe(&Item::Control { granted: true, reason });
         let beat = Beat {
             heard: Some(1.5),
             ..Beat::default()
         };
-        metrics.observe(2.0, &Item::Beat(beat));
-        let text = metrics.text();
+        metrics.observe(&Item::Beat(beat));
+        let failed = |failures| Item::Plugin {
+            plugin: "isobath".to_owned(),
+            state: "failed",
+            text: None,
+            failures,
+        };
+        metrics.observe(&failed(1));
+        metrics.observe(&failed(3));
+        let text = metrics.text(2.0);
         for line in [
             "backseat_control 1.0",
             "backseat_requests_total{owner=\"isobath\",state=\"sent\"} 5",
             "backseat_age_seconds{what=\"heard\"} 0.5",
+            "# TYPE backseat_plugin_failures counter",
+            "backseat_plugin_failures_total{plugin=\"isobath\"} 3",
             "backseat_run_info{mission=\"a \\\"mission\\\"\"",
             "# EOF",
         ] {
             assert!(text.contains(line), "{line} is not in\n{text}");
         }
+    }
+
+    #[test]
+    fn what_is_over_does_not_look_new() {
+        let origin = Origin { lat: 42.0, lon: -70.0 };
+        let about = About {
+            armed: Some(true),
+            ..About::new(Kind::Live, "m", 7, origin, "", "{}")
+        };
+        let metrics = Metrics::new(&about);
+        let beat = Beat {
+            heard: Some(1.5),
+            navigated: Some(2.0004),
+            ..Beat::default()
+        };
+        metrics.observe(&Item::Beat(beat));
+        // Nothing comes any more, and the age grows.
+        assert!(metrics.text(8.5).contains("backseat_age_seconds{what=\"heard\"} 7.0"));
+        // What was heard after the last item is not of the future.
+        assert!(
+            metrics
+                .text(2.0)
+                .contains("backseat_age_seconds{what=\"navigated\"} 0.0")
+        );
+        assert!(metrics.text(2.0).contains("backseat_armed 1.0"));
+        metrics.observe(&Item::End { text: String::new() });
+        assert!(metrics.text(2.0).contains("backseat_armed 0.0"));
     }
 
     /// The dashboard of the docs asks for metrics that there are.

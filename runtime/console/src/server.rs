@@ -22,7 +22,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
-use tokio::task::AbortHandle;
+use tokio::task::{AbortHandle, yield_now};
 use tokio::time::timeout;
 use tracing::warn;
 
@@ -31,6 +31,7 @@ use crate::operator::{Asked, Desk};
 use crate::pace::Pace;
 use crate::token::Token;
 
+use self::socket::Feeds;
 pub use self::tls::Tls;
 
 /// Connections at once. A browser opens about six.
@@ -45,6 +46,8 @@ const HEAD_MAX: usize = 16 << 10;
 const CONNECTION_MAX: Duration = Duration::from_secs(120);
 /// After an error of the listener, such as too many open files.
 const PAUSE: Duration = Duration::from_millis(200);
+/// A connection that is accepted within this has waited while none could be accepted.
+const AT_ONCE: Duration = Duration::from_millis(1);
 
 /// Why the console cannot be served.
 #[derive(Debug, thiserror::Error)]
@@ -125,11 +128,18 @@ impl Listener {
         self.address
     }
 
-    /// What a browser opens.
+    /// What a browser opens. At all addresses of this computer, a name of it stands for `HOST`.
     #[must_use]
     pub fn url(&self) -> String {
         let scheme = if self.tls.is_some() { "https" } else { "http" };
-        format!("{scheme}://{}", self.address)
+        if self.address.ip().is_unspecified() {
+            format!(
+                "{scheme}://HOST:{}, where HOST is a name or an address of this computer",
+                self.address.port()
+            )
+        } else {
+            format!("{scheme}://{}", self.address)
+        }
     }
 }
 
@@ -154,6 +164,7 @@ pub(crate) struct Shared {
     /// Whether other computers can reach it.
     pub(crate) is_open: bool,
     pub(crate) desk: Desk,
+    pub(crate) feeds: Feeds,
     /// Wrong tokens so far.
     pub(crate) wrong: AtomicU32,
 }
@@ -172,6 +183,7 @@ pub fn serve(listener: Listener, service: Service) -> Result<tokio::sync::mpsc::
         pace: service.pace,
         is_open: listener.tls.is_some(),
         desk,
+        feeds: Feeds::default(),
         wrong: AtomicU32::new(0),
     });
     let runtime = tokio::runtime::Builder::new_current_thread()
@@ -206,15 +218,29 @@ fn router(shared: Arc<Shared>) -> Router {
 
 async fn accept(listener: TcpListener, tls: Option<Tls>, router: Router) {
     let mut open: VecDeque<Conversation> = VecDeque::new();
-    let mut told = false;
+    let (mut told, mut waited) = (false, false);
     loop {
-        let stream = match listener.accept().await {
+        let accepted = if waited {
+            match timeout(AT_ONCE, listener.accept()).await {
+                // It may have given up long ago: a release that comes late would undo a newer hold.
+                Ok(Ok(_)) => continue,
+                Ok(Err(error)) => Err(error),
+                Err(_) => {
+                    waited = false;
+                    continue;
+                }
+            }
+        } else {
+            listener.accept().await
+        };
+        let stream = match accepted {
             Ok((stream, _)) => stream,
             Err(error) => {
                 if !std::mem::replace(&mut told, true) {
                     warn!("console: no further connections for now: {error}");
                 }
                 tokio::time::sleep(PAUSE).await;
+                waited = true;
                 continue;
             }
         };
@@ -227,6 +253,8 @@ async fn accept(listener: TcpListener, tls: Option<Tls>, router: Router) {
             };
             if let Some(oldest) = open.remove(place) {
                 oldest.task.abort();
+                // Its socket closes when it has its turn.
+                yield_now().await;
             }
         }
         let busy = Arc::new(AtomicBool::new(false));

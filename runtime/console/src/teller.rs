@@ -172,8 +172,8 @@ impl Teller {
                 };
                 let who = words(&value["name"]).unwrap_or_default();
                 let text = words(&value["message"]).unwrap_or_default();
-                // A mock vehicle logs each status that it is told, which is the same for hours.
-                let level = if who == "vehicle" && level == "info" && self.said_before(&text) {
+                // A mock vehicle logs each modify, and each status that it is told, which is the same for hours.
+                let level = if who == "vehicle" && level == "info" && self.is_routine(&text) {
                     "debug"
                 } else {
                     level
@@ -220,9 +220,12 @@ impl Teller {
         }
     }
 
-    /// Whether the vehicle's last line was the same but for its time, and notes this one.
-    fn said_before(&mut self, line: &str) -> bool {
+    /// Whether a line of the vehicle tells of a modify, or is its last other line again but for the time. Notes the line.
+    fn is_routine(&mut self, line: &str) -> bool {
         let words = line.split_once(" s: ").map_or(line, |(_, words)| words);
+        if words.starts_with("client ") && words.contains(" modifies the behavior") {
+            return true;
+        }
         let before = self.said == words;
         if !before {
             words.clone_into(&mut self.said);

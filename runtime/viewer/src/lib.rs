@@ -5,6 +5,7 @@
 //! it. A viewer that hangs loses messages, and delays nobody. Viewers can do nothing but look: the server has none of the
 //! protocol's capabilities.
 
+mod door;
 mod feed;
 mod server;
 

@@ -1,5 +1,5 @@
 use std::collections::BTreeMap;
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -8,11 +8,14 @@ use std::{io, thread};
 use backseat_recorder::schema_of;
 use foxglove::websocket::{ChannelView, Client, ServerListener};
 use foxglove::{Context, FoxgloveError, PartialMetadata, RawChannel, Schema, WebSocketServer, WebSocketServerHandle};
+use tokio::net::TcpListener;
 use tokio::runtime;
 use tokio::sync::mpsc::Receiver;
+use tokio::sync::{mpsc, watch};
 use tokio::time::timeout;
 use tracing::warn;
 
+use crate::door::Door;
 use crate::feed::{Feed, Told};
 
 /// The port at which viewers look first.
@@ -33,7 +36,7 @@ pub enum ViewerError {
     )]
     Address(SocketAddr),
     /// The port is taken, for example.
-    #[error("{address}: {message}")]
+    #[error("{address}: {message}: give another port, or 0 for a free one")]
     Listen {
         /// Where it should listen.
         address: SocketAddr,
@@ -74,6 +77,8 @@ pub fn serve(address: SocketAddr, name: &str, began_ns: u64) -> Result<(Feed, So
 }
 
 /// Serves until the feed is dropped. Whoever asked for it waits for what is told: the port, or why there is none.
+///
+/// Viewers come through a [`Door`] at this address.
 async fn served(
     address: SocketAddr,
     name: &str,
@@ -81,18 +86,29 @@ async fn served(
     tell: &SyncSender<Result<u16, String>>,
     heard: Receiver<Told>,
 ) {
-    let live = Live::start(address, name, began_ns).await;
-    let started = live
-        .as_ref()
-        .map(|live| live.server.port())
-        .map_err(ToString::to_string);
-    let _asked = tell.send(started);
-    if let Ok(live) = live {
-        live.run(heard).await;
+    let started = async {
+        let listener = TcpListener::bind(address).await.map_err(|error| error.to_string())?;
+        let port = listener.local_addr().map_err(|error| error.to_string())?.port();
+        let live = Live::start(name, began_ns).await.map_err(|error| error.to_string())?;
+        Ok((listener, port, live))
+    };
+    match started.await {
+        Ok((listener, port, live)) => {
+            let (place, server) = watch::channel(live.address());
+            let (gone, is_gone) = mpsc::channel(1);
+            let door = tokio::spawn(Door::new(listener, server, gone).run());
+            let _asked = tell.send(Ok(port));
+            live.run(heard, is_gone, place).await;
+            door.abort();
+        }
+        Err(message) => {
+            let _asked = tell.send(Err(message));
+        }
     }
 }
 
 struct Live {
+    name: String,
     context: Arc<Context>,
     server: WebSocketServerHandle,
     /// By topic; `None` for one without a schema.
@@ -102,19 +118,12 @@ struct Live {
 }
 
 impl Live {
-    async fn start(address: SocketAddr, name: &str, began_ns: u64) -> Result<Self, FoxgloveError> {
+    async fn start(name: &str, began_ns: u64) -> Result<Self, FoxgloveError> {
         let context = Context::new();
         let kept = Arc::new(Kept::default());
-        let server = WebSocketServer::new()
-            .name(name)
-            .bind(address.ip().to_string(), address.port())
-            .context(&context)
-            .capabilities([])
-            .message_backlog_size(BACKLOG)
-            .listener(kept.clone())
-            .start()
-            .await?;
+        let server = server(name, &context, &kept).await?;
         Ok(Self {
+            name: name.to_owned(),
             context,
             server,
             channels: BTreeMap::new(),
@@ -123,9 +132,30 @@ impl Live {
         })
     }
 
-    async fn run(mut self, mut heard: Receiver<Told>) {
-        while let Some(told) = heard.recv().await {
-            self.log(&told);
+    /// Where the library's server listens.
+    fn address(&self) -> SocketAddr {
+        (Ipv4Addr::LOCALHOST, self.server.port()).into()
+    }
+
+    async fn run(mut self, mut heard: Receiver<Told>, mut is_gone: Receiver<()>, place: watch::Sender<SocketAddr>) {
+        loop {
+            tokio::select! {
+                told = heard.recv() => match told {
+                    Some(told) => self.log(&told),
+                    None => break,
+                },
+                Some(()) = is_gone.recv() => {
+                    // Nobody reaches it any more.
+                    match server(&self.name, &self.context, &self.kept).await {
+                        Ok(server) => {
+                            warn!("viewers could not be served for a while");
+                            self.server = server;
+                            place.send_replace(self.address());
+                        }
+                        Err(error) => warn!("viewers cannot be served: {error}"),
+                    }
+                }
+            }
         }
         // The run has ended. A viewer that takes nothing would not take its goodbye either.
         let _told = timeout(GOODBYE, self.server.stop().wait()).await;
@@ -161,6 +191,19 @@ impl Live {
         self.channels.insert(topic.to_owned(), channel.clone());
         channel
     }
+}
+
+/// The library's server, at a free port of this computer.
+async fn server(name: &str, context: &Arc<Context>, kept: &Arc<Kept>) -> Result<WebSocketServerHandle, FoxgloveError> {
+    WebSocketServer::new()
+        .name(name)
+        .bind(Ipv4Addr::LOCALHOST.to_string(), 0)
+        .context(context)
+        .capabilities([])
+        .message_backlog_size(BACKLOG)
+        .listener(kept.clone())
+        .start()
+        .await
 }
 
 /// Whether the last message of a topic says how things are until the next one.

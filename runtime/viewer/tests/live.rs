@@ -148,7 +148,7 @@ fn a_viewer_that_subscribes_at_once_is_never_refused() {
 fn viewers_that_take_nothing_or_send_nonsense_delay_nobody() {
     let (feed, address) = served();
     feed.tell(Timestamp::ZERO, "/control", br#"{"granted":false}"#);
-    let mut stuck: Vec<Viewer> = (0..20).map(|_| Viewer::connected(address)).collect();
+    let mut stuck: Vec<Viewer> = (0..12).map(|_| Viewer::connected(address)).collect();
     for viewer in &mut stuck {
         let channels = viewer.advertised();
         viewer.subscribe(1, &channels[0]["id"]);
@@ -161,13 +161,44 @@ fn viewers_that_take_nothing_or_send_nonsense_delay_nobody() {
     for second in 0..20_000 {
         feed.tell(Timestamp::from_secs(second), "/control", large.as_bytes());
     }
-    // 200 MB for each of twenty viewers that read nothing.
+    // 200 MB for each of twelve viewers that read nothing.
     assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
     let mut good = Viewer::connected(address);
     let channels = good.advertised();
     good.subscribe(2, &channels[0]["id"]);
     assert_eq!(good.next_data().0, 2);
     drop(silent);
+}
+
+#[test]
+fn viewers_are_bounded_and_the_oldest_makes_room() {
+    let (feed, address) = served();
+    feed.tell(Timestamp::ZERO, "/control", br#"{"granted":false}"#);
+    let mut viewers: Vec<Viewer> = (0..40).map(|_| Viewer::connected(address)).collect();
+    // The newest look, and the oldest are gone.
+    let mut newest = viewers.pop().unwrap();
+    let channels = newest.advertised();
+    newest.subscribe(1, &channels[0]["id"]);
+    assert_eq!(newest.next_data().0, 1);
+    let open = viewers
+        .iter_mut()
+        .map(|viewer| {
+            viewer
+                .socket
+                .get_mut()
+                .set_read_timeout(Some(Duration::from_millis(50)))
+                .unwrap();
+            loop {
+                match viewer.socket.read() {
+                    Ok(_) => {}
+                    Err(tungstenite::Error::Io(error)) if error.kind() == std::io::ErrorKind::WouldBlock => break true,
+                    Err(_) => break false,
+                }
+            }
+        })
+        .collect::<Vec<bool>>();
+    assert_eq!(open.iter().filter(|is| **is).count(), 15, "{open:?}");
+    assert!(open[24..].iter().all(|is| *is), "{open:?}");
 }
 
 #[test]
@@ -179,7 +210,10 @@ fn it_listens_on_this_computer_alone_and_says_when_a_port_is_taken() {
     let taken = TcpListener::bind(ANY).unwrap();
     let address = taken.local_addr().unwrap();
     let refused = serve(address, "dive", 0).unwrap_err().to_string();
-    assert!(refused.starts_with(&address.to_string()), "{refused}");
+    assert!(
+        refused.starts_with(&address.to_string()) && refused.contains("give another port"),
+        "{refused}"
+    );
 }
 
 #[test]

@@ -27,6 +27,7 @@ pub struct Backseat {
     stdin: Vec<u8>,
     typed: bool,
     file_max_kib: Option<u64>,
+    files_max: Option<u32>,
     for_sea: bool,
 }
 
@@ -112,6 +113,13 @@ impl Backseat {
         self
     }
 
+    /// Limits how many files and sockets it may have open.
+    #[must_use]
+    pub fn files_max(mut self, files: u32) -> Self {
+        self.files_max = Some(files);
+        self
+    }
+
     /// Its files in these folders hang during the stall.
     #[must_use]
     pub fn stalled(self, stall: &Stall, folders: &[&Path]) -> Self {
@@ -149,15 +157,20 @@ impl Backseat {
         } else {
             backseat_test_support::program()
         };
-        let mut command = match self.file_max_kib {
-            None => Command::new(program),
-            Some(kib) => {
-                // The limit's signal would end the program; if it is ignored, the write fails. The unit is 512 bytes.
-                let script = format!("trap '' XFSZ; ulimit -f {}; exec \"$0\" \"$@\"", 2 * kib);
-                let mut shell = Command::new("sh");
-                shell.args(["-c", &script]).arg(program);
-                shell
-            }
+        // The limit's signal would end the program; if it is ignored, the write fails. The unit is 512 bytes.
+        let size = self
+            .file_max_kib
+            .map(|kib| format!("trap '' XFSZ; ulimit -f {};", 2 * kib));
+        let count = self.files_max.map(|files| format!("ulimit -n {files};"));
+        let limits: Vec<String> = size.into_iter().chain(count).collect();
+        let mut command = if limits.is_empty() {
+            Command::new(program)
+        } else {
+            let mut shell = Command::new("sh");
+            shell
+                .args(["-c", &format!("{} exec \"$0\" \"$@\"", limits.concat())])
+                .arg(program);
+            shell
         };
         for (name, _) in std::env::vars_os() {
             if name.to_string_lossy().starts_with("BACKSEAT") {

@@ -10,7 +10,7 @@ const tone = (s, amber, red) => (!(s < red) ? "bad" : s < amber ? "good" : "warn
 
 export class Countdown {
   /** @param {import("./main.js").Shown} shown */
-  draw({ state, about, link, live }) {
+  draw({ state, about, link, live, clock, dive }) {
     this.dog(state, about.watchdog_s > 0 ? about.watchdog_s : 5, live && (link === "lost" || link === "quiet"));
     const trip = state.beat?.round_trip_s;
     const deaf = state.beat?.refreshed - state.beat?.acknowledged > 1.5;
@@ -20,8 +20,9 @@ export class Countdown {
     write(byId("gap"), gap > 0 ? num(gap, 1, "s") : "–");
     mark(byId("gauge-gap"), "tone", gap > 0 && gap >= AMBER_S ? tone(gap, AMBER_S, RED_S) : "");
     const nav = state.t - state.navigated;
-    write(byId("nav-age"), Number.isFinite(nav) ? age(nav) + " old" : "none yet");
-    mark(byId("gauge-nav"), "tone", tone(nav, 1.5, 3));
+    const ended = clock.live && clock.following && dive.over;
+    write(byId("nav-age"), ended ? "–" : Number.isFinite(nav) ? age(nav) + " old" : "none yet");
+    mark(byId("gauge-nav"), "tone", ended ? "" : tone(nav, 1.5, 3));
     const integrity = state.integrity;
     writeCut(byId("integrity"), integrity && !integrity.ok ? integrity.text || "implausible" : "steady", 80);
     mark(byId("gauge-integrity"), "tone", integrity && !integrity.ok ? "bad" : "good");

@@ -171,6 +171,8 @@ function operator(dive, item) {
   dive.held.operator.push(item.t, { t: item.t, act, who, by, held });
   /** @type {Record<string, string>} */
   const words = { hold: "holds", release: "releases", stop: "stops the run" };
+  // A simulation ends itself with the same word as SIGTERM.
+  if (act === "stop" && !who) return event(dive, item, "operator", "info", "runtime", "stops");
   event(dive, item, "operator", "warn", "operator",
     `${who || "operator"} ${pick(words, act) ?? act}${by ? ` (${by})` : ""}`);
 }
@@ -219,6 +221,6 @@ export const takers = new Map(Object.entries({
   end(dive, item) {
     dive.over = true;
     dive.held.end.push(item.t, str(item.text, 300));
-    event(dive, item, "end", "info", "runtime", "the run is over" + (item.text ? ": " + str(item.text, 300) : ""));
+    event(dive, item, "end", "info", "runtime", str(item.text, 300) || "the run is over");
   },
 }));

@@ -11,6 +11,11 @@ function step(degrees, lines) {
   return (STEPS.find((s) => (degrees * 60) / s <= lines) ?? 3600) / 60;
 }
 
+/** The buttons + and - and the scale lie over the map's lower left corner, this high, pixels. */
+const CORNER = 140;
+/** The length of a label, pixels. */
+const LABEL = 90;
+
 export class Grid {
   /** @param {any} map */
   constructor(map) {
@@ -28,6 +33,8 @@ export class Grid {
     if (!area) return;
     const { ctx, w, h } = area;
     const bounds = this.map.getBounds();
+    const tools = /** @type {HTMLElement|null} */ (document.querySelector(".map-tools"));
+    const right = (tools?.offsetLeft ?? w) - LABEL;
     ctx.strokeStyle = tint("grid");
     ctx.fillStyle = tint("grid-ink");
     ctx.lineWidth = 1;
@@ -36,13 +43,13 @@ export class Grid {
       const x = Math.round(this.map.latLngToContainerPoint([bounds.getCenter().lat, lon]).x) + 0.5;
       ctx.moveTo(x, 0);
       ctx.lineTo(x, h);
-      ctx.fillText(longitude(lon, digits), x + 4, 14);
+      if (x < right) ctx.fillText(longitude(lon, digits), x + 4, 14);
     });
     this.lines(ctx, bounds.getSouth(), bounds.getNorth(), Math.max(2, h / 110), (lat, digits) => {
       const y = Math.round(this.map.latLngToContainerPoint([lat, bounds.getCenter().lng]).y) + 0.5;
       ctx.moveTo(0, y);
       ctx.lineTo(w, y);
-      ctx.fillText(latitude(lat, digits), 6, y - 4);
+      if (y > 16 && y < h - CORNER) ctx.fillText(latitude(lat, digits), 6, y - 4);
     });
   }
 

@@ -28,6 +28,7 @@ export class Player {
         changed();
       });
     }
+    this.paced = false;
     this.paces = PACES.map(([word, times]) => {
       const button = make("button", "", word);
       button.addEventListener("click", () => this.pace(times));
@@ -38,7 +39,7 @@ export class Player {
 
   /** @param {any} about */
   begin(about) {
-    show(byId("pace"), Boolean(about.pace));
+    this.paced = Boolean(about.pace);
     show(byId("live"), this.clock.live);
     const speed = /** @type {HTMLSelectElement} */ (byId("speed"));
     speed.value = this.clock.live ? "1" : "10";
@@ -64,6 +65,7 @@ export class Player {
 
   draw() {
     const { clock } = this;
+    show(byId("pace"), this.paced && !clock.dive().over);
     const moving = clock.playing || (clock.following && clock.live && !clock.dive().over);
     const play = byId("play");
     if (play.dataset.moving === String(moving)) return;

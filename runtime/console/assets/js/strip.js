@@ -27,14 +27,27 @@ export class Strip {
     mark(byId("mission"), "long", mission.length > 13 ? "yes" : "no");
     writeCut(byId("element"), state.element || "no element of the plan runs", 80);
     mark(byId("fact-mission"), "tone", /^(abort|fail)/i.test(mission) ? "bad" : "");
-    write(byId("armed"), about.armed ? "yes" : "no");
-    write(byId("armed-why"), about.armed ? "may steer" : "only watches");
-    mark(byId("fact-armed"), "tone", about.armed ? "good" : "warn");
+    // The last figures of a run that is over are not those of now.
+    const ended = clock.live && clock.following && dive.over;
+    write(byId("armed"), about.armed === undefined ? "–" : about.armed ? "yes" : "no");
+    write(byId("armed-why"), about.armed === undefined ? "not recorded" : about.armed ? "may steer" : "only watches");
+    mark(byId("fact-armed"), "tone", ended || about.armed === undefined ? "" : about.armed ? "good" : "warn");
     const heard = state.t - state.heard;
     write(byId("heard"), Number.isFinite(heard) ? age(heard) : "never");
-    mark(byId("fact-heard"), "tone", !(heard < 5) ? "bad" : heard < 2.5 ? "good" : "warn");
+    write(byId("heard-why"), "ago");
+    mark(byId("fact-heard"), "tone", ended ? "" : !(heard < 5) ? "bad" : heard < 2.5 ? "good" : "warn");
+    if (ended) this.ended();
     this.time(state.t, about, live, clock, dive);
     this.announce(`${label} steers`, live);
+  }
+
+  /** Nobody steers any more. */
+  ended() {
+    for (const [id, why] of [["control", "control-why"], ["armed", "armed-why"], ["heard", "heard-why"]]) {
+      write(byId(id), "–");
+      write(byId(why), "the run is over");
+    }
+    mark(byId("fact-control"), "tone", "");
   }
 
   /** What the lease asks for. @param {any} asked */

@@ -223,7 +223,7 @@ await t("light and dark", withPage(recorded, { colorScheme: "dark" }, async (pag
   check(await bg() !== dark, "toggle changes the colours");
   check(await page.evaluate(() => localStorage.length + sessionStorage.length) === 0, "something is stored");
 }));
-for (const [w, h] of [[1024, 768], [800, 1000]]) {
+for (const [w, h] of [[1024, 768], [800, 1000], [768, 1024]]) {
   await t(`tablet ${w}x${h}: nothing sticks out, targets are large, tabs`, withPage(recorded, { viewport: { width: w, height: h }, hasTouch: true, isMobile: true }, async (page) => {
     check(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth && document.documentElement.scrollHeight <= innerHeight), "page scrolls");
     const small = await page.locator("button:visible, select:visible, input:visible, a.leaflet-control-zoom-in").evaluateAll((all) => all
@@ -400,6 +400,9 @@ await t("simulated: pace can be set, no operator no buttons", withPage(plain, {}
   await page.click("#pace button >> nth=4");
   await expectText(page, "badge", /OVER/, 15000);
   check(await page.locator("#banner-lost").isHidden(), "over is told as not connected");
+  // What is over does not look new.
+  for (const id of ["armed", "control", "heard", "nav-age"]) check(await text(page, id) === "–", `${id} after the end`);
+  check(await page.locator("#pace").isHidden(), "a pace after the end");
 }));
 await (await plain).stop();
 await browser.close();

@@ -129,6 +129,9 @@ pub(super) async fn pace(State(shared): State<Arc<Shared>>, wish: Result<Json<Ti
     let Some(pace) = &shared.pace else {
         return refused(StatusCode::CONFLICT, "only a simulation has a pace");
     };
+    if shared.hub.is_over() {
+        return refused(StatusCode::CONFLICT, "the simulation is over");
+    }
     let Json(Times { times }) = match wish {
         Ok(wish) => wish,
         Err(error) => return refused(StatusCode::BAD_REQUEST, &error.body_text()),

@@ -137,6 +137,17 @@ fn is_too_large(headers: &HeaderMap) -> bool {
 /// `whose` is the name in the request's address, if it has one.
 fn is_ours(headers: &HeaderMap, whose: Option<&str>, is_open: bool) -> bool {
     let text = |value: &HeaderValue| value.to_str().unwrap_or("?").to_ascii_lowercase();
+    // What another site's page loads as a picture or a script has no origin, but browsers say whose it is. A link may lead here.
+    let says = |name: &str, what: &[&str]| {
+        headers
+            .get_all(name)
+            .iter()
+            .map(text)
+            .any(|value| what.contains(&value.as_str()))
+    };
+    if says("sec-fetch-site", &["cross-site", "same-site"]) && !says("sec-fetch-mode", &["navigate"]) {
+        return false;
+    }
     // One name, as HTTP/1.1 asks for, and no origin but ours.
     let mut hosts = headers.get_all(HOST).iter().map(text);
     let (Some(host), None) = (hosts.next(), hosts.next()) else {
@@ -199,6 +210,13 @@ mod tests {
         }
         assert_eq!(socket(&headers("10.0.0.7:8480", None), true), "wss://10.0.0.7:8480");
         assert!(!socket(&headers("a; script-src *", None), true).contains("script"));
+        for (mode, ours) in [("no-cors", false), ("navigate", true)] {
+            let mut picture = headers("localhost", None);
+            picture.insert("sec-fetch-mode", HeaderValue::from_static(mode));
+            assert!(is_ours(&picture, None, false));
+            picture.insert("sec-fetch-site", HeaderValue::from_static("cross-site"));
+            assert_eq!(is_ours(&picture, None, false), ours, "{mode}");
+        }
         let mut two = headers("localhost", None);
         assert!(is_ours(&two, Some("localhost"), false) && !is_ours(&two, Some("evil.example"), false));
         two.append(HOST, HeaderValue::from_static("evil.example"));

@@ -1,4 +1,5 @@
-use std::sync::Arc;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -6,6 +7,7 @@ use axum::extract::{Query, State};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse as _, Response};
 use serde::Deserialize;
+use tokio::sync::oneshot;
 use tokio::time::{sleep, timeout};
 
 use super::Shared;
@@ -21,6 +23,28 @@ const WORDS_MAX: usize = 1024;
 const IDLE_EVERY: Duration = Duration::from_millis(900);
 /// Items in a frame.
 const ITEMS_MAX: usize = 2000;
+
+/// Feeds at once. Each takes a socket of the process, which also needs some for the vehicle, its log and its state.
+const FEEDS_MAX: usize = 32;
+
+/// The feeds that are open, the oldest first.
+#[derive(Default)]
+pub(crate) struct Feeds(Mutex<VecDeque<oneshot::Sender<()>>>);
+
+impl Feeds {
+    /// Another one. Where there are too many, the oldest ends: sockets that nobody looks at keep nobody out, and a page that
+    /// is cut off comes again. What is returned ends when it is this one's turn.
+    fn open(&self) -> oneshot::Receiver<()> {
+        let mut feeds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        feeds.retain(|feed| !feed.is_closed());
+        while feeds.len() >= FEEDS_MAX {
+            feeds.pop_front();
+        }
+        let (feed, ends) = oneshot::channel();
+        feeds.push_back(feed);
+        ends
+    }
+}
 
 #[derive(Debug, Deserialize)]
 pub(super) struct After {
@@ -40,7 +64,13 @@ pub(super) async fn feed(
     upgrade
         .max_message_size(WORDS_MAX)
         .max_frame_size(WORDS_MAX)
-        .on_upgrade(move |socket| async move { show(socket, &shared, after).await })
+        .on_upgrade(move |socket| async move {
+            let ends = shared.feeds.open();
+            tokio::select! {
+                () = show(socket, &shared, after) => {}
+                _ = ends => {}
+            }
+        })
 }
 
 async fn show(mut socket: WebSocket, shared: &Shared, mut after: u64) {

@@ -303,6 +303,24 @@ fn large_bodies_long_heads_and_sockets_that_say_nothing_cost_little() {
 }
 
 #[test]
+fn feeds_are_bounded_and_the_oldest_makes_room() {
+    let console = console();
+    let mut feeds: Vec<_> = (0..50)
+        .map(|_| connect(format!("ws://{}/api/feed?after=0", console.address)).unwrap().0)
+        .collect();
+    let mut newest = feeds.pop().unwrap();
+    assert!(newest.read().unwrap().is_text());
+    let open = feeds
+        .iter_mut()
+        .map(|feed| (0..3).all(|_| feed.read().is_ok()))
+        .collect::<Vec<bool>>();
+    assert_eq!(open.iter().filter(|is| **is).count(), 31, "{open:?}");
+    assert!(open[18..].iter().all(|is| *is), "{open:?}");
+    // The operator is still answered.
+    assert_eq!(status(&console.post(&console.token, HOLD, "")), 202);
+}
+
+#[test]
 fn a_log_that_was_read_has_no_feed_and_nothing_to_hold() {
     let origin = Origin { lat: 42.0, lon: -70.0 };
     let about = About::new(Kind::Recorded, "isobath", 7, origin, "", "{}");

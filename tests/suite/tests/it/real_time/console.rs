@@ -8,7 +8,7 @@ use backseat_suite::{Backseat, Behavior, Mission, Process, Scripted, eventually,
 use serde_json::Value;
 
 use super::heard::{ended_after_s, worst_gap_s};
-use super::session::{SOON, runtime};
+use super::session::{SOON, command, runtime};
 
 /// Where the console of a process is.
 fn address(process: &Process) -> String {
@@ -194,6 +194,53 @@ fn sr_022_viewers_look_at_a_run_and_cost_the_loop_nothing() {
     let other = Mission::steady();
     let open = runtime(&other, &vehicle.address, &["--foxglove=0.0.0.0:0"]);
     open.says("viewers are served on this computer alone", SOON);
+}
+
+/// A process may have 1024 files by default; here 256, so that the test needs fewer sockets itself.
+#[test]
+fn sr_022_floods_of_pages_and_viewers_leave_files_for_the_vehicle_and_the_hold() {
+    let mission = Mission::steady();
+    let vehicle = Scripted::start(Behavior::default());
+    let arguments = ["--arm", "--foxglove=0", "--console=0", "--log-split=10s"];
+    let process = command(&mission, &vehicle.address, &arguments).files_max(256).spawn();
+    let (viewers, console) = (viewers(&process), address(&process));
+    vehicle.hears("BPRMB", 3, SOON);
+    let upgrade = |address: &str, path: &str, more: &str| {
+        let mut stream = TcpStream::connect(address).ok()?;
+        let request = format!(
+            "GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+             Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n{more}\r\n"
+        );
+        stream.write_all(request.as_bytes()).ok()?;
+        Some(stream)
+    };
+    let flood: Vec<_> = (0..150)
+        .flat_map(|_| {
+            [
+                upgrade(&console, "/api/feed?after=0", ""),
+                upgrade(&viewers, "/", "Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n"),
+                TcpStream::connect(&console).ok(),
+            ]
+        })
+        .collect();
+    // Parts of the log begin meanwhile.
+    let count = vehicle.heard("BPRMB").len();
+    vehicle.hears("BPRMB", count + 12, SOON);
+    let token = std::fs::read_to_string(mission.beside("state/console.token")).expect("the token is beside the hold");
+    assert!(act(&console, token.trim(), "hold").starts_with("HTTP/1.1 202"));
+    eventually(
+        SOON,
+        || mission.beside("state/hold").exists().then_some(()),
+        || format!("the hold is not saved\n{}", process.stderr()),
+    );
+    assert!(
+        !process.stderr().contains("Too many open files"),
+        "{}",
+        process.stderr()
+    );
+    // Who comes later is served.
+    assert!(greeted(&viewers).contains("\"steady\""));
+    drop(flood);
 }
 
 #[test]

@@ -9,6 +9,11 @@ pub(crate) const SOON: Duration = Duration::from_secs(45);
 
 /// The runtime, connected to an address, with a state folder of its own beside the mission.
 pub(crate) fn runtime(mission: &Mission, address: &str, arguments: &[&str]) -> Process {
+    command(mission, address, arguments).spawn()
+}
+
+/// The command that starts it.
+pub(crate) fn command(mission: &Mission, address: &str, arguments: &[&str]) -> Backseat {
     Backseat::new()
         .args(["run", "--connect", address, "--log"])
         .arg(mission.beside("logs"))
@@ -16,7 +21,6 @@ pub(crate) fn runtime(mission: &Mission, address: &str, arguments: &[&str]) -> P
         .arg(mission.beside("state"))
         .args(arguments)
         .mission(mission)
-        .spawn()
 }
 
 /// Sentences that only an armed runtime sends.

@@ -29,6 +29,9 @@ const BEATS_WITHOUT_ANSWER: u32 = 4;
 /// while BPSTS is the beat, and with an answer that matches no BPLOG. A BPLOG that subscribes may be sent sooner. Its
 /// round trip is then counted from an earlier BPLOG, so it is never taken to be shorter than it was.
 const LOG_QUIET: Duration = Duration::from_secs(3);
+/// How long to wait after each answer to a BPLOG. If a BPLOG arrives twice, the vehicle answers it twice, and the second
+/// answer must not be taken for the answer to the next one. It matches no BPLOG then.
+const LOG_SETTLES: Duration = Duration::from_millis(900);
 /// A BPLOG that has no answer after this long will not get one.
 const LOG_FORGOTTEN: Duration = Duration::from_secs(30);
 /// A command that has no answer after this long will not get one.
@@ -244,9 +247,9 @@ impl Heartbeat {
             return None;
         }
         let answered = self.logs.pop_front();
-        if answered.is_none() || self.carrier == Carrier::Status {
-            self.quiet_until = now + LOG_QUIET;
-        }
+        let is_sure = answered.is_some() && self.carrier == Carrier::Logging;
+        let quiet = if is_sure { LOG_SETTLES } else { LOG_QUIET };
+        self.quiet_until = self.quiet_until.max(now + quiet);
         let since = answered?.since;
         self.log_answered = Some((created, since));
         Some(since)
@@ -539,12 +542,66 @@ mod tests {
         heartbeat.left(at(5000), name("LOG"), None, false);
         assert!(!heartbeat.acknowledged(at(8000), &log_answer(6500)).unwrap().good);
         // The same answer comes again when the next BPLOG has just been sent.
-        heartbeat.left(at(8000), name("LOG"), None, false);
-        assert_eq!(heartbeat.acknowledged(at(8001), &log_answer(6500)), None);
-        assert!(!heartbeat.is_heard(at(8001)) && !heartbeat.needs_log(at(9000)));
-        let heard = heartbeat.acknowledged(at(11_000), &log_answer(9500)).unwrap();
-        assert_eq!(heard.trip.sent, at(8000));
-        assert!(!heartbeat.is_heard(at(11_000)));
+        assert!(heartbeat.needs_log(at(9000)));
+        heartbeat.left(at(9000), name("LOG"), None, false);
+        assert_eq!(heartbeat.acknowledged(at(9001), &log_answer(6500)), None);
+        assert!(!heartbeat.is_heard(at(9001)) && !heartbeat.needs_log(at(10_000)));
+        let heard = heartbeat.acknowledged(at(12_000), &log_answer(10_500)).unwrap();
+        assert_eq!(heard.trip.sent, at(9000));
+        assert!(!heartbeat.is_heard(at(12_000)));
+    }
+
+    #[test]
+    fn sr_023_if_subscriptions_are_the_beat_and_arrive_twice_no_answer_is_taken_for_the_next_one() {
+        for takes in (1100..4100u64).step_by(20) {
+            let mut heartbeat = connected();
+            heartbeat.left(at(0), name("LOG"), None, false);
+            heartbeat.acknowledged(at(10), &log_answer(9));
+            for millis in [1000, 2000, 3000, 4000] {
+                heartbeat.left(at(millis), name("STS"), Some(stamp(millis)), false);
+            }
+            // The way there and back is long, and everything that we send arrives twice: each BPLOG has two answers, which
+            // the vehicle writes at times of their own.
+            let mut answers = VecDeque::new();
+            let mut sent = 0;
+            for millis in (5000..60_000u64).step_by(10) {
+                while answers.front().is_some_and(|(comes, _)| *comes <= millis) {
+                    let (comes, written) = answers.pop_front().unwrap();
+                    heartbeat.acknowledged(at(comes), &log_answer(written));
+                }
+                if millis.is_multiple_of(1000) && heartbeat.needs_log(at(millis)) {
+                    sent += 1;
+                    heartbeat.left(at(millis), name("LOG"), None, false);
+                    let written = millis + takes / 2;
+                    answers.extend([(millis + takes, written), (millis + takes + 50, written + 50)]);
+                }
+                assert!(!heartbeat.is_heard(at(millis)), "{takes}: {millis}");
+            }
+            assert!(sent > 5, "{takes}: {sent} beats");
+        }
+    }
+
+    #[test]
+    fn sr_023_answers_that_take_a_while_leave_no_gap_between_beats_of_subscriptions() {
+        for takes in [5, 400, 1000] {
+            let mut heartbeat = connected();
+            heartbeat.left(at(0), name("LOG"), None, false);
+            heartbeat.acknowledged(at(10), &log_answer(9));
+            for millis in [1000, 2000, 3000, 4000] {
+                heartbeat.left(at(millis), name("STS"), Some(stamp(millis)), false);
+            }
+            let mut comes = None;
+            for millis in (5000..60_000u64).step_by(5) {
+                if comes == Some(millis) {
+                    heartbeat.acknowledged(at(millis), &log_answer(millis - 2));
+                }
+                if millis.is_multiple_of(1000) && heartbeat.needs_log(at(millis)) {
+                    heartbeat.left(at(millis), name("LOG"), None, false);
+                    comes = Some(millis + takes);
+                }
+                assert!(millis < 6000 || heartbeat.is_heard(at(millis)), "{takes}: {millis}");
+            }
+        }
     }
 
     #[test]

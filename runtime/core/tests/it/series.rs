@@ -188,20 +188,25 @@ fn said(trial: &Trial, text: &str) -> FromVehicle {
     .into()
 }
 
+fn held_and_released_by_text() -> Trial {
+    let settings = backseat_core::Settings {
+        hold_text: Some("hold".to_owned()),
+        release_text: Some("release".to_owned()),
+        ..backseat_core::Settings::default()
+    };
+    let mut trial = Trial::with(crate::trial::Setup {
+        settings,
+        ..crate::trial::Setup::default()
+    });
+    trial.run_for(3.0);
+    trial
+}
+
 /// A release by text was made before the operator's hold by a signal, and comes after it: late, or once more.
 #[test]
 fn sr_015_a_release_that_was_made_before_a_hold_by_signal_does_not_release() {
     for again in [false, true] {
-        let settings = backseat_core::Settings {
-            hold_text: Some("hold".to_owned()),
-            release_text: Some("release".to_owned()),
-            ..backseat_core::Settings::default()
-        };
-        let mut trial = Trial::with(crate::trial::Setup {
-            settings,
-            ..crate::trial::Setup::default()
-        });
-        trial.run_for(3.0);
+        let mut trial = held_and_released_by_text();
         assert!(trial.core.has_control(), "{:?}", trial.core.uncontrolled());
         let release = said(&trial, "release");
         if again {
@@ -217,19 +222,9 @@ fn sr_015_a_release_that_was_made_before_a_hold_by_signal_does_not_release() {
     }
 }
 
-/// A hold by text that comes again after the release: only safe.
 #[test]
 fn sr_015_a_release_after_a_hold_by_signal_releases() {
-    let settings = backseat_core::Settings {
-        hold_text: Some("hold".to_owned()),
-        release_text: Some("release".to_owned()),
-        ..backseat_core::Settings::default()
-    };
-    let mut trial = Trial::with(crate::trial::Setup {
-        settings,
-        ..crate::trial::Setup::default()
-    });
-    trial.run_for(3.0);
+    let mut trial = held_and_released_by_text();
     trial.operator(Operator::Hold);
     trial.run_for(2.0);
     let release = said(&trial, "release");

@@ -55,13 +55,19 @@ impl EchoedTime {
     }
 
     /// Whether this echoes a command that was made at `created`. The times must be equal except for what the echo's
-    /// decimals leave out by cutting off or rounding. An echo that says that there was no time echoes no command.
+    /// decimals leave out: all of the further decimals if they are cut off, up to half a unit if the echo is rounded. An
+    /// echo that says that there was no time echoes no command.
     #[must_use]
     pub fn echoes(self, created: TimeOfDay) -> bool {
-        let unit = unit_nanos(self.decimals).min(1_000_000_000);
+        let unit = unit_nanos(self.decimals).min(1_000_000_000).cast_signed();
+        let left_out = created.nanos_since(self.time);
         // Our own times are whole milliseconds, so finer decimals are noise of the vehicle's arithmetic.
-        let unit = unit.max(1_000_000);
-        !self.is_none() && self.time.nanos_since(created).unsigned_abs() < unit
+        let echoes = if unit <= 1_000_000 {
+            left_out.abs() < 1_000_000
+        } else {
+            -unit / 2 <= left_out && left_out < unit
+        };
+        !self.is_none() && echoes
     }
 }
 

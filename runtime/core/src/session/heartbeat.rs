@@ -29,6 +29,8 @@ const ANOTHER_AFTER: Duration = Duration::from_millis(250);
 const BEATS_WITHOUT_ANSWER: u32 = 4;
 /// A command that has no answer after this long will not get one.
 const SENT_FORGOTTEN: Duration = Duration::from_secs(60);
+/// Two commands that were sent further apart than this have different echoes, even in whole seconds.
+const SAME_SECOND: Duration = Duration::from_secs(2);
 /// How many commands without an answer are remembered.
 const SENT_MAX: usize = 64;
 /// How long after the last good round trip we subscribe to acknowledgements again. After the third time we do so every
@@ -123,15 +125,20 @@ impl Heartbeat {
         }
     }
 
-    /// Begins a new connection. Which commands the vehicle answers is a property of the vehicle, so it is kept. Commands of
-    /// the last connection are kept too, so that a late answer to one of them is not taken for the answer to another.
+    /// Begins a new connection. Which commands the vehicle answers is a property of the vehicle, so it is kept. The last
+    /// commands of the connection before are kept too, so that a late answer to one of them is not taken for the answer
+    /// to another that was sent in the same second.
     pub(crate) fn begin(&mut self, now: Timestamp) {
         let fresh = Self::new(self.delay_max);
+        let last = |commands: &mut VecDeque<Sent>| {
+            commands.retain(|sent| now.since(sent.at) < SAME_SECOND);
+            core::mem::take(commands)
+        };
         *self = Self {
             carrier: self.carrier,
             answers: core::mem::take(&mut self.answers),
-            sent: core::mem::take(&mut self.sent),
-            echoed: core::mem::take(&mut self.echoed),
+            sent: last(&mut self.sent),
+            echoed: last(&mut self.echoed),
             logs: self.logs.begin(now),
             began: now,
             lost_at: now,

@@ -14,6 +14,8 @@ const JUST_NOW: Duration = Duration::from_secs(1);
 const JUST_LEFT: Duration = Duration::from_secs(2);
 /// A command that was not answered for so long gets no answer.
 const FORGOTTEN: Duration = Duration::from_secs(60);
+/// A BPLOG that is later than the last answer to one by so much gets no answer.
+const LOG_LOST_AFTER: Duration = Duration::from_secs(1);
 /// A BPLOG that was not answered for so long gets no answer.
 const LOG_FORGOTTEN: Duration = Duration::from_secs(30);
 
@@ -32,6 +34,8 @@ pub(crate) struct Heartbeat {
     sent: VecDeque<([u8; 3], TimeOfDay, Moment)>,
     /// When each BPLOG without an answer left, oldest first.
     logs: VecDeque<Moment>,
+    /// How long after its BPLOG had left the vehicle wrote the last answer to one.
+    log_took: Option<Duration>,
     subscribed: bool,
     early_log: Option<Moment>,
     /// When the last answered BPLOG left, if the early BPLOG before all others was not answered.
@@ -56,6 +60,7 @@ impl Heartbeat {
             late: limits.runtime_late(),
             sent: VecDeque::new(),
             logs: VecDeque::new(),
+            log_took: None,
             subscribed: false,
             early_log: None,
             log_before: None,
@@ -74,9 +79,7 @@ impl Heartbeat {
                 self.early_log = Some(at);
                 return;
             }
-            while self.logs.len() >= Self::SENT_MAX
-                || self.logs.front().is_some_and(|left| at.since(*left) >= LOG_FORGOTTEN)
-            {
+            while self.logs.len() >= Self::SENT_MAX || self.logs.front().is_some_and(|left| self.is_lost(at, *left)) {
                 self.logs.pop_front();
             }
             self.logs.push_back(at);
@@ -95,6 +98,13 @@ impl Heartbeat {
         }
     }
 
+    /// Whether a BPLOG that left at this time gets no answer any more: the vehicle took much less time for the last answer
+    /// to one.
+    fn is_lost(&self, now: Moment, left: Moment) -> bool {
+        let took = self.log_took.map(|took| took * 5 / 4 + LOG_LOST_AFTER);
+        now.since(left) >= took.unwrap_or(LOG_FORGOTTEN).min(LOG_FORGOTTEN)
+    }
+
     /// The vehicle answered a command. Returns the earliest time at which that command can have left, if it is certain.
     /// `stopped` is true while the runtime is stopped; it reads the answer when it continues.
     pub(crate) fn answered(&mut self, at: Moment, command: [u8; 3], echo: Echo, stopped: bool) -> Option<Moment> {
@@ -108,6 +118,7 @@ impl Heartbeat {
             {
                 let before = self.log_before.replace(left);
                 earliest = if early.is_some() { before.or(early) } else { known };
+                self.log_took = Some(at.since(left));
             }
             // The answer may belong to a BPLOG that left during a gap of the record.
             known.or(self.unseen_until.map(|_| at))
@@ -191,6 +202,7 @@ impl Heartbeat {
     pub(crate) fn cut(&mut self) {
         self.sent.clear();
         self.logs.clear();
+        self.log_took = None;
         self.subscribed = false;
         self.early_log = None;
         self.log_before = None;

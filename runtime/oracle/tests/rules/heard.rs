@@ -67,6 +67,24 @@ fn requirement_023_subscriptions_are_answered_in_their_order() {
 }
 
 #[test]
+fn requirement_023_a_subscription_whose_answer_was_lost_is_not_waited_for_after_a_quick_answer() {
+    // The BPLOG that left at 1 s has no answer.
+    let run = |next_ms| {
+        Scenario::with_control()
+            .without_answers()
+            .beats_until(0)
+            .ours(200, "BPLOG,CTL,ON")
+            .ours(300, "BPLOG,ACK,ON")
+            .vehicle(310, "BFACK,{t},LOG,000000.000,0,2,0,ok")
+            .ours(1000, "BPLOG,ACK,ON")
+            .ours(next_ms, "BPLOG,ACK,ON")
+            .vehicle(next_ms + 10, "BFACK,{t},LOG,000000.000,0,2,0,ok")
+    };
+    modified(run(2020), 4500).finds_nothing();
+    modified(run(2000), 4500).finds(&["unheard"]);
+}
+
+#[test]
 fn requirement_023_an_irrevocable_request_needs_an_answer_within_the_last_second() {
     // The last beat is of 3.055 s, and so is its answer; 250 ms may pass until the runtime reads it.
     let silent = || Scenario::with_control().beats_until(4000);

@@ -34,6 +34,8 @@ pub(crate) struct Heartbeat {
     sent: VecDeque<([u8; 3], TimeOfDay, Moment)>,
     /// When each BPLOG without an answer left, oldest first.
     logs: VecDeque<Moment>,
+    /// When the first BPLOG of late left that is thought to be lost.
+    log_lost: Option<Moment>,
     /// How long after its BPLOG had left the vehicle wrote the last answer to one.
     log_took: Option<Duration>,
     subscribed: bool,
@@ -60,6 +62,7 @@ impl Heartbeat {
             late: limits.runtime_late(),
             sent: VecDeque::new(),
             logs: VecDeque::new(),
+            log_lost: None,
             log_took: None,
             subscribed: false,
             early_log: None,
@@ -80,7 +83,9 @@ impl Heartbeat {
                 return;
             }
             while self.logs.len() >= Self::SENT_MAX || self.logs.front().is_some_and(|left| self.is_lost(at, *left)) {
-                self.logs.pop_front();
+                let lost = self.logs.pop_front();
+                let late = self.log_lost.filter(|lost| at.since(*lost) < LOG_FORGOTTEN);
+                self.log_lost = late.or(lost);
             }
             self.logs.push_back(at);
         } else if let Some(created) = request.created
@@ -118,6 +123,9 @@ impl Heartbeat {
             {
                 let before = self.log_before.replace(left);
                 earliest = if early.is_some() { before.or(early) } else { known };
+                // It may not be lost, but late.
+                let late = self.log_lost.filter(|lost| at.since(*lost) < LOG_FORGOTTEN);
+                earliest = late.or(earliest);
                 self.log_took = Some(at.since(left));
             }
             // The answer may belong to a BPLOG that left during a gap of the record.
@@ -202,6 +210,7 @@ impl Heartbeat {
     pub(crate) fn cut(&mut self) {
         self.sent.clear();
         self.logs.clear();
+        self.log_lost = None;
         self.log_took = None;
         self.subscribed = false;
         self.early_log = None;

@@ -183,7 +183,7 @@ fn requirement_023_an_answer_to_an_earlier_subscription_sets_no_clock() {
 fn requirement_023_a_late_answer_to_a_subscription_sets_no_clock() {
     // The vehicle answers the BPLOG that left at 4 s at once, but the link stalls for 4 s.
     let run = Scenario::with_control().beats_until(5000);
-    let run = run.ours(200, "BPLOG,CTL,ON").ours(300, "BPLOG,ACK,ON");
+    let run = run.ours(300, "BPLOG,ACK,ON");
     let run = run.vehicle(310, &answer("LOG,000000.000", 310, 0));
     let run = run.ours(4000, "BPLOG,ACK,ON").ours(7000, "BPLOG,ACK,ON");
     let run = run.vehicle(8000, &answer("LOG,000000.000", 4100, 0));

@@ -1,4 +1,5 @@
-//! The answers to BPLOG (SPI 7.1). They echo no time, so an answer does not say which BPLOG it answers.
+//! The answers to BPLOG (SPI 7.1; safety requirement 023). They echo no time, so an answer does not say which BPLOG it
+//! answers.
 //!
 //! The vehicle answers in order, so an answer belongs to the oldest BPLOG that waits for one. But if a BPLOG or its
 //! answer comes twice, or is lost, then each later answer would be taken for the answer to another BPLOG, until nothing

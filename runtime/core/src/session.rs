@@ -21,7 +21,7 @@ use crate::io::{Note, Output};
 use crate::quota::LastMinute;
 use crate::refusal::Uncontrolled;
 use crate::session::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
-use crate::session::heartbeat::{BEAT_EVERY, Remedy};
+use crate::session::heartbeat::Remedy;
 use crate::session::subscriptions::ACKNOWLEDGEMENTS;
 use crate::settings::StatusCondition;
 use crate::timer::Timer;
@@ -301,8 +301,9 @@ impl Session {
         if cx.link.heartbeat.needs_log(cx.now) {
             self.subscribe_acknowledgements(cx, Purpose::Beat);
         }
-        self.send_status(cx);
-        cx.timers.set(Timer::Status, cx.now + BEAT_EVERY);
+        let created = self.send_status(cx);
+        cx.timers
+            .set(Timer::Status, cx.link.heartbeat.next_beat(cx.now, created));
     }
 
     /// Reports how many lines and rejections were counted but not logged.
@@ -322,7 +323,8 @@ impl Session {
         }
     }
 
-    pub(crate) fn send_status(&mut self, cx: &mut Context) {
+    /// Sends a BPSTS (SPI 7.2). Returns its time.
+    pub(crate) fn send_status(&mut self, cx: &mut Context) -> TimeOfDay {
         let failed = cx.settings.status_failed_when.iter().any(|condition| match condition {
             StatusCondition::PluginQuarantined => cx.plugins.any_is_quarantined(),
             StatusCondition::NavigationStale => cx.vehicle.navigation.fresh(cx.now).is_none(),
@@ -348,6 +350,7 @@ impl Session {
         };
         let command = cx.courtesy("STS", Some(created));
         cx.transmit(&ToVehicle::PayloadStatus(status), Some(command));
+        created
     }
 
     pub(crate) fn subscribe_acknowledgements(&mut self, cx: &mut Context, purpose: Purpose) {

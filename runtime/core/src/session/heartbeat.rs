@@ -89,6 +89,8 @@ pub(crate) struct Heartbeat {
     /// Commands whose answers echoed less than milliseconds, so that they could answer others too, oldest first. `created`
     /// is the echo.
     echoed: VecDeque<Sent>,
+    /// The vehicle echoes whole seconds.
+    echoes_seconds: bool,
     logs: Logs,
     /// When this connection began.
     began: Timestamp,
@@ -113,6 +115,7 @@ impl Heartbeat {
             delay_max,
             sent: VecDeque::new(),
             echoed: VecDeque::new(),
+            echoes_seconds: false,
             logs: Logs::default(),
             began: Timestamp::ZERO,
             good: None,
@@ -136,6 +139,7 @@ impl Heartbeat {
         };
         *self = Self {
             carrier: self.carrier,
+            echoes_seconds: self.echoes_seconds,
             answers: core::mem::take(&mut self.answers),
             sent: last(&mut self.sent),
             echoed: last(&mut self.echoed),
@@ -203,6 +207,9 @@ impl Heartbeat {
     /// few decimals to tell two commands apart, a second answer to one counts for no other.
     fn answered(&mut self, now: Timestamp, ack: &Acknowledgement) -> Option<Sent> {
         let echo = ack.command_created;
+        if !echo.is_none() {
+            self.echoes_seconds = echo.decimals() == 0;
+        }
         let repeats = |older: &&Sent| older.name == ack.command && older.created == echo.time();
         if let Some(older) = self.echoed.iter().find(repeats) {
             return Some(*older);
@@ -269,6 +276,19 @@ impl Heartbeat {
         }
         self.logs.forget(now);
         self.carrier == Carrier::Logging && self.logs.are_quiet(now)
+    }
+
+    /// When the next beat is due after one that left now with the time `created`. If the vehicle echoes whole seconds, beats
+    /// leave in the first half of a second. Then the echo of one cannot be the echo of the next too, whether the vehicle
+    /// cuts the decimals off or rounds.
+    pub(crate) fn next_beat(&self, now: Timestamp, created: TimeOfDay) -> Timestamp {
+        if !self.echoes_seconds {
+            return now + BEAT_EVERY;
+        }
+        let second = BEAT_EVERY.as_nanos() as u64;
+        let past = created.as_nanos() % second;
+        let wait = (second + second / 4 - past) % second;
+        now + Duration::from_nanos(if wait == 0 { second } else { wait })
     }
 
     /// When the next remedy is due if no good round trip comes before.

@@ -45,22 +45,27 @@ pub(super) struct Logs {
     answered: Option<(TimeOfDay, Timestamp)>,
     /// When a BPLOG was sent before the subscription to acknowledgements.
     early: Option<Timestamp>,
+    /// The last answer took no longer than this.
+    took: Duration,
+    /// When the last BPLOG of the connection before was sent, in the first row of this one.
+    earlier: Option<Timestamp>,
     /// The present row goes on until this time at least.
     quiet_until: Timestamp,
 }
 
 impl Logs {
     /// The BPLOG of a new connection. Something between the vehicle and us may keep answers of the last connection, and
-    /// pass them on in this one. So the last connection's row goes on.
+    /// pass them on in this one. So the first row counts from before the connection.
     pub(super) fn begin(&self, now: Timestamp) -> Self {
-        let under_way = |(_, last): &(Timestamp, Timestamp)| now.since(*last) < FORGOTTEN;
-        match self.row.filter(under_way) {
-            Some(row) => Self {
-                row: Some(row),
-                quiet_until: self.quiet_until.max(now + QUIET),
-                ..Self::default()
-            },
-            None => Self::default(),
+        let last = self.row.map(|(_, last)| last);
+        let earlier = last.filter(|last| now.since(*last) < FORGOTTEN);
+        let quiet = (self.took * 5 / 4 + SETTLES).clamp(QUIET, FORGOTTEN);
+        let quiet_until = earlier.map_or(Timestamp::ZERO, |_| now + quiet);
+        Self {
+            earlier,
+            took: self.took,
+            quiet_until,
+            ..Self::default()
         }
     }
 
@@ -76,14 +81,17 @@ impl Logs {
             // Its answer may still come, and each later answer would be taken for the answer to another BPLOG.
             self.quiet_until = self.quiet_until.max(now + FORGOTTEN);
         }
-        let since = match self.row {
+        let first = match self.row {
             Some((first, _)) if !self.are_quiet(now) => first,
-            Some(_) | None => {
+            Some(_) => {
                 self.answer_came = None;
+                self.earlier = None;
                 now
             }
+            None => now,
         };
-        self.row = Some((since, now));
+        self.row = Some((first, now));
+        let since = self.earlier.unwrap_or(first);
         self.waiting.push_back(Waiting { at: now, since });
     }
 
@@ -108,6 +116,9 @@ impl Logs {
             return None;
         }
         self.answer_came = Some(now);
+        if let Some((first, _)) = self.row {
+            self.took = now.since(first);
+        }
         let since = self.waiting.pop_front()?.since;
         self.answered = Some((created, since));
         Some(since)

@@ -55,16 +55,18 @@ pub(super) struct Logs {
 
 impl Logs {
     /// The BPLOG of a new connection. Something between the vehicle and us may keep answers of the last connection, and
-    /// pass them on in this one. So the first row counts from before the connection.
+    /// pass them on in this one. So the first row counts from before the connection, and if BPLOG waited for an answer
+    /// when that one ended, an answer may take as long as from the first of them on.
     pub(super) fn begin(&self, now: Timestamp) -> Self {
-        let last = self.row.map(|(_, last)| last);
-        let earlier = last.filter(|last| now.since(*last) < FORGOTTEN);
+        let recent = |at: &Timestamp| now.since(*at) < FORGOTTEN;
+        let earlier = self.row.map(|(_, last)| last).filter(recent);
+        let unanswered = self.waiting.front().map(|first| first.at).filter(recent);
         let quiet = (self.took * 5 / 4 + SETTLES).clamp(QUIET, FORGOTTEN);
-        let quiet_until = earlier.map_or(Timestamp::ZERO, |_| now + quiet);
         Self {
-            earlier,
+            row: unanswered.zip(earlier),
             took: self.took,
-            quiet_until,
+            earlier,
+            quiet_until: earlier.map_or(Timestamp::ZERO, |_| now + quiet),
             ..Self::default()
         }
     }

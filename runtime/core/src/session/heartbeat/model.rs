@@ -351,7 +351,7 @@ proptest! {
         };
         let flown = Model::new(&case).run(240_000);
         // A beginning, another after the outage, and perhaps a third in between.
-        let waits_s = if vehicle.answers_status { 6 } else { 30 };
+        let waits_s = if vehicle.answers_status { 6 } else { 60 };
         let heard_s = flown.heard_ms / 1000;
         prop_assert!(heard_s >= 240 - outage_s - waits_s, "{heard_s} of {} s", 240 - outage_s);
     }

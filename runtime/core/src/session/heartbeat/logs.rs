@@ -55,12 +55,13 @@ pub(super) struct Logs {
 
 impl Logs {
     /// The BPLOG of a new connection. Something between the vehicle and us may keep answers of the last connection, and
-    /// pass them on in this one. So the first row counts from before the connection, and if BPLOG waited for an answer
-    /// when that one ended, an answer may take as long as from the first of them on.
+    /// pass them on in this one. So the first row counts from before the connection, and if BPLOG that were
+    /// sent after the last answer waited when that one ended, an answer may take as long as from the first of them on.
     pub(super) fn begin(&self, now: Timestamp) -> Self {
         let recent = |at: &Timestamp| now.since(*at) < FORGOTTEN;
         let earlier = self.row.map(|(_, last)| last).filter(recent);
-        let unanswered = self.waiting.front().map(|first| first.at).filter(recent);
+        let waits = |at: &Timestamp| self.answer_came.is_none_or(|came| came <= *at);
+        let unanswered = self.waiting.iter().map(|waiting| waiting.at).find(waits).filter(recent);
         let quiet = (self.took * 5 / 4 + SETTLES).clamp(QUIET, FORGOTTEN);
         Self {
             row: unanswered.zip(earlier),

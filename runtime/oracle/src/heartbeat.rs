@@ -84,7 +84,7 @@ impl Heartbeat {
             }
             while self.logs.len() >= Self::SENT_MAX || self.logs.front().is_some_and(|left| self.is_lost(at, *left)) {
                 let lost = self.logs.pop_front();
-                let late = self.log_lost.filter(|lost| at.since(*lost) < LOG_FORGOTTEN);
+                let late = self.log_lost.filter(|lost| at.since(*lost) < FORGOTTEN);
                 self.log_lost = late.or(lost);
             }
             self.logs.push_back(at);
@@ -124,7 +124,7 @@ impl Heartbeat {
                 let before = self.log_before.replace(left);
                 earliest = if early.is_some() { before.or(early) } else { known };
                 // It may not be lost, but late.
-                let late = self.log_lost.filter(|lost| at.since(*lost) < LOG_FORGOTTEN);
+                let late = self.log_lost.filter(|lost| at.since(*lost) < FORGOTTEN);
                 earliest = late.or(earliest);
                 self.log_took = Some(at.since(left));
             }

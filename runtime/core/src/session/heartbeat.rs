@@ -300,12 +300,17 @@ impl Heartbeat {
             more => third * (more - 1),
         };
         let subscribe = self.lost_at + after;
-        // If BPLOG is the beat, another one makes the row of those longer whose answers cannot be told apart. So we wait
-        // until a beat has begun a new row.
-        let subscribe = if self.carrier == Carrier::Logging && self.remedies > 0 {
-            subscribe.max(self.logs.quiet_at() + 2 * BEAT_EVERY)
-        } else {
-            subscribe
+        // If BPLOG is the beat, another one makes the row of those longer whose answers cannot be told apart. So the first
+        // waits as long for the last beat, and after an answer, or a second try, we wait until a beat has begun a new row.
+        let subscribe = match self.carrier {
+            Carrier::Status => subscribe,
+            Carrier::Logging if self.remedies > 0 || self.logs.has_answer() => {
+                subscribe.max(self.logs.quiet_at() + 2 * BEAT_EVERY)
+            }
+            Carrier::Logging => {
+                let last = self.logs.last_sent().map(|sent| sent + first);
+                last.map_or(subscribe, |last| last.max(subscribe))
+            }
         };
         match self.good {
             Some(_) => subscribe.min(self.lost_at + RESET_AFTER),

@@ -151,6 +151,11 @@ impl Logs {
         known.map_or(self.quiet_until, |known| known.max(self.quiet_until))
     }
 
+    /// Whether the vehicle has answered a BPLOG of the present row.
+    pub(super) const fn has_answer(&self) -> bool {
+        self.answer_came.is_some()
+    }
+
     /// Gives up on answers that have not come.
     pub(super) fn forget(&mut self, now: Timestamp) {
         if now >= self.quiet_at() {

@@ -2,8 +2,9 @@
 //! the vehicle may leave the fence.
 
 use backseat_fence::Fence;
-use backseat_mission::{Mission, beyond_class};
+use backseat_mission::{Mission, beyond_class, expected_plan, first_difference};
 use backseat_mvc::{ControlWindow, WorldFile};
+use backseat_plan::planned_behaviors;
 use backseat_scenario::Scenario;
 use backseat_units::math::{hypot, wrap_180};
 use backseat_units::{EastNorth, LocalFrame};
@@ -25,6 +26,7 @@ pub(crate) fn beyond_limits(mission: &Mission, scenario: &Scenario, world: &Worl
         .into_iter()
         .chain(far_from_fence(mission, file))
         .chain(other_origin(mission, scenario))
+        .chain(other_plan(mission, scenario))
         .collect();
     let mut over = |what: &str, value: f64, key: &str, limit: f64| {
         if value > limit + TOLERANCE {
@@ -100,6 +102,21 @@ fn other_origin(mission: &Mission, scenario: &Scenario) -> Option<String> {
              count metres: give both the same [origin]"
         )
     })
+}
+
+/// Whether the simulated vehicle flies another plan than the one that the mission names, so that core never steers.
+fn other_plan(mission: &Mission, scenario: &Scenario) -> Option<String> {
+    let (plan, table) = (mission.plan.as_ref()?, mission.file.plan.as_ref()?);
+    let origin = scenario.world.world_config().frame().ok()?.origin();
+    let limits = scenario.vehicle_of(mission).limits();
+    let simulated = planned_behaviors(&scenario.world.plan, origin, &limits).ok()?;
+    let simulated = expected_plan(&simulated, plan.tolerance_m);
+    let difference = first_difference(&plan.expected(), &simulated, mission.envelope.fence().frame())?;
+    Some(format!(
+        "world: the [[plan]] of world.toml differs from {} (mission.toml, [plan]): {difference}. A vehicle whose plan differs \
+         is not steered",
+        table.file
+    ))
 }
 
 /// Whether the simulated vehicle is nowhere near the fence.

@@ -1,5 +1,7 @@
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::figure::figure;
 use crate::outcome::{Arm, Outcomes};
 use crate::statistics::{Interval, bootstrap_mean, mean, sign_test};
@@ -32,7 +34,8 @@ pub struct Comparison {
 }
 
 /// What a comparison shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// There are too few seeds to say anything.
     TooFew,

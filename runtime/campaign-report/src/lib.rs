@@ -1,13 +1,15 @@
 //! What a campaign's results show, from `runs.parquet` alone: pass rates with their bounds, distributions of measures,
 //! paired comparisons of variants, which parameter moves a measure, and the worst runs.
 //!
-//! [`page`] is one HTML file without any need of a network. [`table`] is for the terminal. Pictures of runs are drawn by
+//! [`page`] is one HTML file without any need of a network. [`table`] is for the terminal, [`Summary`] for
+//! programs. Pictures of runs are drawn by
 //! flying these runs again ([`Gallery`]); without the missions the page does without them.
 
 mod chart;
 mod compare;
 mod figure;
 mod gallery;
+mod json;
 mod outcome;
 mod page;
 mod sensitivity;
@@ -18,6 +20,7 @@ mod write;
 
 pub use compare::{Comparison, Verdict};
 pub use gallery::Gallery;
+pub use json::Summary;
 pub use outcome::{Arm, Outcomes};
 pub use page::page;
 pub use statistics::{Interval, pass_rate};

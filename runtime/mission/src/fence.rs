@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::error::MissionError;
-use crate::mission::{read, value};
+use crate::mission::{read_own, value};
 use crate::unknown::with_suggestion;
 
 /// The formats, in the order in which messages list them.
@@ -85,7 +85,7 @@ pub(crate) fn load(folder: &Path, table: Option<&FenceTable>, origin: Option<Ori
             return Err(value(folder, several));
         }
     };
-    let text = read(&folder.join(file))?;
+    let text = read_own(&folder.join(file))?;
     read_text(folder, file, text, table, origin)
 }
 

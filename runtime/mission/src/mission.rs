@@ -116,7 +116,7 @@ impl Mission {
                 }
             });
         }
-        let text = read(&path)?;
+        let text = read_own(&path)?;
         // Parsed on its own first, because merging loses the line numbers.
         toml::from_str::<MissionFile>(&text).map_err(|error| toml_error(&path, &text, &error))?;
         let file = layered(&path, &text, layers)?;
@@ -461,6 +461,18 @@ fn check_text(text: &str) -> Result<(), String> {
         return Err(format!("is {text:?}: {expected}"));
     }
     Ok(())
+}
+
+/// Reads a file of the mission's folder. A pipe there would hold up the start for ever, so it is refused.
+pub(crate) fn read_own(path: &Path) -> Result<String, MissionError> {
+    let is_other = path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir());
+    if is_other {
+        return Err(value(
+            path,
+            "expected a file, found a pipe, a socket or a device".to_owned(),
+        ));
+    }
+    read(path)
 }
 
 pub(crate) fn read(path: &Path) -> Result<String, MissionError> {

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use backseat_core::{ExpectedElement, ExpectedPath, ExpectedPlan};
 use backseat_plan::{PlanEntry, PlannedBehavior, PlannedPath, VehicleClass, VehicleLimits, planned_behaviors};
-use backseat_units::Position;
+use backseat_units::{LocalFrame, Position};
 use serde::Deserialize;
 
 use crate::error::MissionError;
 use crate::file::PlanTable;
-use crate::mission::{read, toml_error, value};
+use crate::mission::{read, read_own, toml_error, value};
 
 /// How far the vehicle's plan may differ from the checked one at most, metres; beyond this it is another plan.
 const TOLERANCE_MAX_M: f64 = 100.0;
@@ -101,24 +101,64 @@ impl FrontSeatPlan {
     /// The BFPLN that the vehicle is expected to send for this plan (SPI 6.20).
     #[must_use]
     pub fn expected(&self) -> ExpectedPlan {
-        let elements = self.behaviors.iter().filter_map(|behavior| {
-            let path = match behavior.path {
-                PlannedPath::Waypoint { to } => ExpectedPath::Points(vec![to]),
-                PlannedPath::Line { start, end } => ExpectedPath::Points(vec![start, end]),
-                PlannedPath::Circle { centre, radius_m, .. } => ExpectedPath::Circle { centre, radius_m },
-                PlannedPath::Heading { .. } => ExpectedPath::Anywhere,
-                PlannedPath::Nowhere => return None,
-            };
-            Some(ExpectedElement {
-                number: behavior.number,
-                path,
-            })
-        });
-        ExpectedPlan {
-            elements: elements.collect(),
-            tolerance_m: self.tolerance_m,
-        }
+        expected_plan(&self.behaviors, self.tolerance_m)
     }
+}
+
+/// The BFPLN that the vehicle is expected to send for these behaviors (SPI 6.20).
+#[must_use]
+pub fn expected_plan(behaviors: &[PlannedBehavior], tolerance_m: f64) -> ExpectedPlan {
+    let elements = behaviors.iter().filter_map(|behavior| {
+        let path = match behavior.path {
+            PlannedPath::Waypoint { to } => ExpectedPath::Points(vec![to]),
+            PlannedPath::Line { start, end } => ExpectedPath::Points(vec![start, end]),
+            PlannedPath::Circle { centre, radius_m, .. } => ExpectedPath::Circle { centre, radius_m },
+            PlannedPath::Heading { .. } => ExpectedPath::Anywhere,
+            PlannedPath::Nowhere => return None,
+        };
+        Some(ExpectedElement {
+            number: behavior.number,
+            path,
+        })
+    });
+    ExpectedPlan {
+        elements: elements.collect(),
+        tolerance_m,
+    }
+}
+
+/// The first element in which a vehicle's plan is not the expected one; positions may be apart by `tolerance_m`. A vehicle
+/// with that plan is not steered.
+#[must_use]
+pub fn first_difference(expected: &ExpectedPlan, plan: &ExpectedPlan, frame: &LocalFrame) -> Option<String> {
+    let near = |one: &Position, other: &Position| {
+        let apart_m = frame.to_local(*one).distance_m(frame.to_local(*other));
+        apart_m <= expected.tolerance_m
+    };
+    let same = |one: &ExpectedElement, other: &ExpectedElement| {
+        one.number == other.number
+            && match (&one.path, &other.path) {
+                (ExpectedPath::Points(ones), ExpectedPath::Points(others)) => {
+                    ones.len() == others.len() && ones.iter().zip(others).all(|(one, other)| near(one, other))
+                }
+                (
+                    ExpectedPath::Circle { centre, radius_m },
+                    ExpectedPath::Circle {
+                        centre: other,
+                        radius_m: other_m,
+                    },
+                ) => near(centre, other) && (radius_m - other_m).abs() <= expected.tolerance_m,
+                (ExpectedPath::Anywhere, ExpectedPath::Anywhere) => true,
+                _ => false,
+            }
+    };
+    let (wanted, has) = (expected.elements.len(), plan.elements.len());
+    if wanted != has {
+        return Some(format!("{has} elements, expected {wanted}"));
+    }
+    let mut pairs = expected.elements.iter().zip(&plan.elements);
+    let other = pairs.find(|(one, other)| !same(one, other))?.0;
+    Some(format!("element {}", other.number))
 }
 
 impl Origin {
@@ -160,7 +200,7 @@ pub(crate) fn load(
     class: Option<VehicleClass>,
 ) -> Result<FrontSeatPlan, MissionError> {
     check_tolerance(folder, table)?;
-    of_text(folder, table, class, read(&folder.join(&table.file))?)
+    of_text(folder, table, class, read_own(&folder.join(&table.file))?)
 }
 
 fn check_tolerance(folder: &Path, table: &PlanTable) -> Result<(), MissionError> {

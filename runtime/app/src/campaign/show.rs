@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use backseat_campaign::Folder;
-use backseat_campaign_report::{Outcomes, table};
+use backseat_campaign_report::{Outcomes, Summary, table};
 use clap::Args;
 
 use super::report::whole;
@@ -13,15 +13,28 @@ pub(crate) struct CampaignShow {
     /// The results folder
     #[arg(value_name = "DIR")]
     dir: PathBuf,
+    /// Print one JSON object: `variants`, `reasons`, `measures` with their quantiles, and `comparisons` of each variant
+    /// with the first
+    #[arg(long)]
+    json: bool,
 }
 
 pub(super) fn show(arguments: &CampaignShow) -> Result<()> {
-    print(&whole(&arguments.dir)?)
+    let folder = whole(&arguments.dir)?;
+    if !arguments.json {
+        return print(&folder);
+    }
+    say!("{}", serde_json::to_string(&Summary::new(&outcomes(&folder)?))?);
+    Ok(())
+}
+
+fn outcomes(folder: &Folder) -> Result<Outcomes> {
+    let plan = folder.manifest()?.plan(folder.path())?;
+    Ok(Outcomes::read(folder, &plan)?)
 }
 
 pub(super) fn print(folder: &Folder) -> Result<()> {
-    let plan = folder.manifest()?.plan(folder.path())?;
-    let outcomes = Outcomes::read(folder, &plan)?;
+    let outcomes = outcomes(folder)?;
     say!("{}", table(&outcomes).trim_end());
     Ok(())
 }

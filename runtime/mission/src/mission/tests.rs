@@ -410,6 +410,16 @@ fn a_missing_file_or_component_is_named() {
         unreadable.contains("fence.kml") && !unreadable.contains("no fence here"),
         "{unreadable}"
     );
+    std::fs::remove_dir(empty.path().join("fence.kml")).unwrap();
+    let made = std::process::Command::new("mkfifo")
+        .arg(empty.path().join("fence.kml"))
+        .status();
+    assert!(made.unwrap().success());
+    let pipe = Mission::load(empty.path(), &Layers::default())
+        .err()
+        .expect("a pipe is not a fence")
+        .to_string();
+    assert!(pipe.contains("fence.kml: expected a file, found a pipe"), "{pipe}");
     let broken = load(MISSION, "{", &[]).err().expect("the fence is broken").to_string();
     assert!(broken.contains("fence.geojson"), "{broken}");
     let error = find_component(empty.path(), "x", "nowhere", Some(empty.path()))

@@ -109,6 +109,19 @@ fn a_campaign_is_flown_compared_and_reported() {
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
+    // For programs, the same figures and more: margins of safety too.
+    let shown = ends(campaign(&folder, &["show", "all", "--json"]), 0);
+    let shown: Value = serde_json::from_str(&shown.stdout).expect("one JSON object");
+    assert_eq!(shown["variants"][1]["variant"], "fast");
+    assert_eq!(shown["variants"][1]["flown"], 6);
+    let has = |list: &str, key: &str, value: &str| {
+        let list = shown[list].as_array().expect("a list");
+        list.iter()
+            .any(|entry| entry[key] == value && entry["variant"] == "fast")
+    };
+    assert!(has("measures", "measure", "margin.clearance"), "{shown}");
+    assert!(has("comparisons", "measure", "margin.clearance"), "{shown}");
+    assert!(has("comparisons", "compared_with", "slow"), "{shown}");
     let report = fs::read_to_string(folder.path().join("all/report.html")).expect("it was written");
     for part in [
         "12 runs: 1 mission x 2 variants x 2 points x 3 seeds",

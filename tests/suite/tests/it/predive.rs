@@ -625,7 +625,8 @@ fn the_plan_that_was_checked_is_held_against_the_vehicles_own() {
         (sent, notes)
     };
     let same = mission().append("mission.toml", "[plan]\nfile = \"world.toml\"");
-    let _ = ready(&same, &[]);
+    let said = ready(&same, &[]);
+    assert!(!said.contains("differs"), "{said}");
     let (sent, notes) = flown(&same);
     assert!(sent > 10, "{notes:#?}");
 
@@ -635,7 +636,11 @@ fn the_plan_that_was_checked_is_held_against_the_vehicles_own() {
             "plan.toml",
             "[origin]\nlatitude_deg = 42.35\nlongitude_deg = -70.70\n\n[[plan]]\nkind = \"trackline\"\nstart = { east_m = -600, north_m = 0 }\nend = { east_m = 600, north_m = 15 }\ndepth_m = 8\nspeed_mps = 1.5\n",
         );
-    let _ = ready(&other, &[]);
+    // The check says what the flight then shows.
+    has(
+        &ready(&other, &[]),
+        &["the [[plan]] of world.toml differs from plan.toml", "is not steered"],
+    );
     let (sent, notes) = flown(&other);
     assert_eq!(sent, 0, "{notes:#?}");
     assert!(

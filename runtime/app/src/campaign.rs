@@ -49,7 +49,7 @@ pub(crate) struct Campaign {
 enum Task {
     /// Write the report of results again: DIR/report.html
     Report(report::CampaignReport),
-    /// Print what results show
+    /// Print the tables of a campaign's results
     Show(show::CampaignShow),
     /// Put the results of shards together, and write the report
     Merge(merge::CampaignMerge),

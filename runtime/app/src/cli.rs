@@ -88,11 +88,11 @@ pub(crate) enum Command {
     Plc(Plc),
     /// Check a mission before a dive: its files, fence, plugins and plan
     Check(Check),
-    /// Look whether this computer and its network are fit for a dive
+    /// Check whether this computer and its network are ready for a dive
     ///
-    /// That is: clock, disk, processor, permissions, vehicle, payload controller, program and plugins. Each line says what was looked at and how it is: `ok`, `odd` (the dive can go on, and somebody should know) or `bad`.
-    /// The vehicle and the payload controller are connected to once, and asked for the time by NTP; --offline leaves that
-    /// out. `check` looks at the mission.
+    /// That is: clock, disk, processor, permissions, vehicle, payload controller, program and plugins. Each line names one thing that was checked, and its state: `ok`, `odd` (the dive can go on, and somebody should know) or `bad`.
+    /// The command connects once to the vehicle and once to the payload controller, and asks both for the time by NTP;
+    /// --offline skips this. `check` checks the mission.
     ///
     /// Exit code: 0 if nothing is bad, 1 if something is, 2 if the mission cannot be read.
     Doctor(Doctor),
@@ -107,12 +107,13 @@ pub(crate) enum Command {
     /// safety monitor says of the new one. Nothing that it asks for has an effect: its inputs stay the recorded ones. If
     /// it fails, it is restarted before its next step.
     ///
-    /// Calls of plugins that the clock of a dive ended are ended again, without a clock. The log of a killed process is
+    /// If a plugin's call was cut off in the dive because it took more than a second, replay cuts off the same call,
+    /// however long it takes now. The log of a killed process is
     /// replayed as far as it goes. After a gap, where the disk was too slow, nothing can be replayed.
     ///
     /// Exit code: 0 if all is identical, 1 if not, 2 if the log or a part of it cannot be replayed.
     Replay(Replay),
-    /// Show or judge the log of a run
+    /// Show, judge, join or export the log of a run
     #[command(subcommand)]
     Log(Log),
     /// Make, build, test, inspect and check a plugin, in any folder
@@ -131,10 +132,11 @@ pub(crate) enum Command {
     S7k(S7k),
     /// Put another version in the place of a plugin, in the middle of a dive
     ///
-    /// The runtime that flies MISSION compiles FILE beside its loop, and lets it take over between two steps: it gets what
-    /// the version before says of its state (`snapshot`, `restore`), and the requests of that stay. In its first steps it is
-    /// on trial: if it fails, or is refused something for what it asks for, the version before comes back with its state,
-    /// and the lease ends until that asks again. Name the hash of FILE; a locked mission allows only what was signed for it
+    /// The runtime compiles FILE while it keeps steering, and switches to the new version between two steps. The new version
+    /// receives the old version's snapshot (`restore`), and the old version's open requests stay in force. In its first steps
+    /// the new version is on trial. If it fails, or if the runtime refuses one of its requests because of its content, the
+    /// runtime ends the lease and brings back the old version with the state that it had at the swap. The lease starts again
+    /// when the old version asks for it. Name the hash of FILE with --sha256; a locked mission allows only what was signed for it
     /// (`check --sign KEY --may-swap NAME=FILE`). The swap lasts as long as the run: a runtime that is started again begins
     /// with the mission's component.
     ///

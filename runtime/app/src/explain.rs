@@ -6,8 +6,9 @@ use crate::output::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct Explain {
-    /// A key: whole (limits.turn_rate_dps), its end (turn_rate_dps), or of one file (world.toml:vehicle.class). `exit-codes`
-    /// explains those. Without a key: the files and their tables
+    /// The key to explain: in full (limits.turn_rate_dps), its last part (turn_rate_dps), or with its file
+    /// (world.toml:vehicle.class). `backseat explain exit-codes` explains the exit codes. Without a key, the command lists
+    /// the files and their tables
     #[arg(value_name = "KEY")]
     pub(crate) keys: Vec<String>,
     /// Print the JSON Schema of a file, for editors: mission.toml, world.toml, ...

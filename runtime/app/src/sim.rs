@@ -39,7 +39,8 @@ pub(crate) struct Sim {
     /// Inject the faults in this file, instead of the [faults] of world.toml
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) faults: Option<PathBuf>,
-    /// Draw the faults from the seed, as the hunt draws them, instead: so many, from then until then, seconds
+    /// Let the seed draw the faults, in place of [faults] in world.toml and --faults. 3..9@30..800 draws 3 to 9 faults that
+    /// come between 30 s and 800 s
     #[arg(long, value_name = "3..9@30..800", conflicts_with = "faults")]
     pub(crate) draw_faults: Option<DrawnFaults>,
     /// Follow the rules in this file, such as: 3 s after the first BPRMB take control

@@ -29,7 +29,9 @@ pub const EXITS: [Exit; 5] = [
     },
     Exit {
         code: UNMET,
-        meaning: "Done, and the answer is no. `sim`: an expectation did not hold. `check`: not ready. `fly`, `log judge`: \
+        meaning: "Done, and the answer is no. `sim`: an expectation did not hold, or a file of the sonar's recording \
+                  could not be written. `check`: not ready. `doctor`: something is bad. `swap`: the new version was not \
+                  taken or did not stay. `spi connect`: the vehicle said nothing. `fly`, `log judge`: \
                   a rule broke. `replay`: something differs. `s7k verify`: a fault in the recording. `plugin test`: a \
                   test or a flight failed. `plugin inspect`: not a plugin. `plugin check`: an objection. \
                   `campaign`: a run missed an expectation, broke a rule or could not be flown.",

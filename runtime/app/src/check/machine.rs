@@ -20,7 +20,7 @@ use crate::state::State;
 /// How much room a dive's logs need.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct RoomForLogs {
-    /// The free space that the dive's logs need. A day at sea has about 3 kB/s, 260 MB; the default is four times that
+    /// The free space that the dive's logs need. A day at sea writes about 0.75 GB (8.7 kB a second)
     #[arg(
         id = "log-room",
         long = "log-room",

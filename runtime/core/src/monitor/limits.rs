@@ -73,7 +73,7 @@ pub struct Limits {
     /// How wrong navigation may be, metres.
     #[serde(default = "default::navigation_error_m")]
     pub navigation_error_m: f64,
-    /// How long a sentence may be on its way, seconds.
+    /// How long a sentence and its answer may take together, seconds.
     #[serde(default = "default::link_delay_max_s")]
     pub link_delay_max_s: f64,
     /// How far the vehicle strays from a line that it follows, metres.

@@ -29,8 +29,6 @@ const ANOTHER_AFTER: Duration = Duration::from_millis(250);
 const BEATS_WITHOUT_ANSWER: u32 = 4;
 /// A command that has no answer after this long will not get one.
 const SENT_FORGOTTEN: Duration = Duration::from_secs(60);
-/// Two commands that were sent further apart than this have different echoes, even in whole seconds.
-const SAME_SECOND: Duration = Duration::from_secs(2);
 /// How many commands without an answer are remembered.
 const SENT_MAX: usize = 64;
 /// How long after the last good round trip we subscribe to acknowledgements again. After the third time we do so every
@@ -128,21 +126,18 @@ impl Heartbeat {
         }
     }
 
-    /// Begins a new connection. Which commands the vehicle answers is a property of the vehicle, so it is kept. The last
-    /// commands of the connection before are kept too, so that a late answer to one of them is not taken for the answer
-    /// to another that was sent in the same second.
+    /// Begins a new connection. Which commands the vehicle answers is a property of the vehicle, so it is kept. The commands
+    /// of the connection before are kept too. A vehicle that echoes whole seconds may echo two beats alike, and something
+    /// between the vehicle and us may pass late answers on in this connection: the answer to a command that is not kept
+    /// would be taken for that to the next one, and so on to the last.
     pub(crate) fn begin(&mut self, now: Timestamp) {
         let fresh = Self::new(self.delay_max);
-        let last = |commands: &mut VecDeque<Sent>| {
-            commands.retain(|sent| now.since(sent.at) < SAME_SECOND);
-            core::mem::take(commands)
-        };
         *self = Self {
             carrier: self.carrier,
             echoes_seconds: self.echoes_seconds,
             answers: core::mem::take(&mut self.answers),
-            sent: last(&mut self.sent),
-            echoed: last(&mut self.echoed),
+            sent: core::mem::take(&mut self.sent),
+            echoed: core::mem::take(&mut self.echoed),
             logs: self.logs.begin(now),
             began: now,
             lost_at: now,

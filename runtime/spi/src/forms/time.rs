@@ -127,7 +127,11 @@ impl Field for EchoedTime {
         if let Some(time) = take_millis(reader) {
             return Ok(Self::of(time));
         }
-        let text = reader.trimmed()?;
+        // BPLOG has no time to echo. Most vehicles write `000000.000` then, and some write nothing.
+        let text = match reader.trimmed() {
+            Err(Fault::Empty) => return Ok(Self::NONE),
+            text => text?,
+        };
         let time = parse_time(text).ok_or(NOT_A_TIME)?;
         let decimals = text.len().saturating_sub("hhmmss.".len()).min(9);
         Ok(Self::with_decimals(time, decimals as u8))

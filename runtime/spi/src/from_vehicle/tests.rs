@@ -46,6 +46,9 @@ fn acknowledgements_of_real_vehicles_are_read() {
     assert_eq!(log.command, CommandName::new("LOG").unwrap());
     assert_eq!((log.command_created, log.behavior), (EchoedTime::NONE, None));
     assert_eq!((log.status, log.text.as_str()), (AckStatus::Succeeded, "log set"));
+    // BPLOG has no time to echo: some vehicles write nothing.
+    let log = ack("$BFACK,081025.987,LOG,,0,2,0,log set");
+    assert_eq!((log.command_created, log.behavior), (EchoedTime::NONE, None));
     let insert = ack("$BFACK,081025.987,RTK,081020.125,1001,3,0,,");
     assert_eq!(
         (insert.behavior, insert.status),

@@ -29,6 +29,8 @@ struct Waiting {
     at: Timestamp,
     /// When the first BPLOG of its row was sent.
     since: Timestamp,
+    /// Its answer cannot be taken for that of another connection's.
+    counts: bool,
 }
 
 /// The BPLOG that have been sent on one connection, and their answers.
@@ -55,8 +57,8 @@ pub(super) struct Logs {
 
 impl Logs {
     /// The BPLOG of a new connection. Something between the vehicle and us may keep answers of the last connection, and
-    /// pass them on in this one. So the first row counts from before the connection, and if BPLOG that were
-    /// sent after the last answer waited when that one ended, an answer may take as long as from the first of them on.
+    /// pass them on in this one. So the first row does not count, and if BPLOG that were sent after the last answer waited
+    /// when that one ended, an answer may take as long as from the first of them on.
     pub(super) fn begin(&self, now: Timestamp) -> Self {
         let recent = |at: &Timestamp| now.since(*at) < FORGOTTEN;
         let earlier = self.row.map(|(_, last)| last).filter(recent);
@@ -94,18 +96,26 @@ impl Logs {
             None => now,
         };
         self.row = Some((first, now));
-        let since = self.earlier.unwrap_or(first);
-        self.waiting.push_back(Waiting { at: now, since });
+        self.waiting.push_back(Waiting {
+            at: now,
+            since: self.earlier.unwrap_or(first),
+            counts: self.earlier.is_none(),
+        });
     }
 
     /// The vehicle answers commands that were sent before the subscription to acknowledgements.
     pub(super) fn early_is_answered(&mut self) {
         if let Some(at) = self.early.take() {
-            self.waiting.push_front(Waiting { at, since: at });
+            self.waiting.push_front(Waiting {
+                at,
+                since: at,
+                counts: true,
+            });
         }
     }
 
-    /// Handles an answer that the vehicle wrote at `created`. Returns when the earliest BPLOG was sent that it could answer.
+    /// Handles an answer that the vehicle wrote at `created`. Returns when the earliest BPLOG was sent that it could answer;
+    /// `None` if that may be one of another connection.
     pub(super) fn answered(&mut self, now: Timestamp, created: TimeOfDay) -> Option<Timestamp> {
         // The vehicle has not answered BPVER, so it does not answer the early BPLOG either.
         self.early = None;
@@ -122,9 +132,9 @@ impl Logs {
         if let Some((first, _)) = self.row {
             self.took = now.since(first);
         }
-        let since = self.waiting.pop_front()?.since;
+        let Waiting { since, counts, .. } = self.waiting.pop_front()?;
         self.answered = Some((created, since));
-        Some(since)
+        counts.then_some(since)
     }
 
     /// Whether no answer is under way: what is sent now begins a row.

@@ -307,6 +307,44 @@ fn assert_safe(case: &Case) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// Links on which the vehicle was once taken to hear us.
+#[test]
+fn sr_023_links_on_which_the_vehicle_was_once_taken_to_hear_us() {
+    let way = |delay_ms, grows_ms, good_from_ms| Way {
+        delay_ms,
+        grows_ms,
+        good_from_ms,
+        lost: 0.0,
+        doubled: 0.0,
+        spread_ms: 0,
+    };
+    let case = |up, down, reset_at_ms, answers_logging, rounds| Case {
+        up,
+        down,
+        vehicle: Vehicle {
+            answers_status: true,
+            answers_logging,
+            leaves_one_out: false,
+            decimals: 0,
+            rounds,
+        },
+        reset_at_ms,
+        outage_ms: 0,
+        relayed: true,
+        seed: 0,
+    };
+    let never = u64::MAX;
+    let cases = [
+        // A BPLOG left in the moment of the reset, and the answer to one of before came on the new connection.
+        case(way(8141, 32, never), way(0, 0, 0), 132_000, true, false),
+        // The answer to a BPSTS of before the reset was taken for the answer to the next one, and so on to the last.
+        case(way(371, 0, never), way(7121, 0, 381), 2500, false, true),
+    ];
+    for case in cases {
+        assert_eq!(Model::new(&case).run(240_000).unsafe_at, None, "{case:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, max_shrink_iters: 2000, ..ProptestConfig::default() })]
 

@@ -293,6 +293,19 @@ fn with_early_answers_round_trips_count_from_the_first_command() {
 }
 
 #[test]
+fn sr_023_a_subscription_of_the_moment_in_which_the_connection_began_may_be_of_the_last_one() {
+    let mut heartbeat = connected();
+    heartbeat.left(at(0), name("LOG"), None, false);
+    // A remedy, and in the same moment the connection is reset.
+    heartbeat.left(at(12_000), name("LOG"), None, false);
+    heartbeat.begin(at(12_000));
+    heartbeat.left(at(12_000), name("LOG"), None, false);
+    // The answer to the first, 12 s late, passed on in this connection.
+    assert_eq!(heartbeat.acknowledged(at(12_010), &log_answer(12_005)), None);
+    assert!(!heartbeat.is_heard(at(12_010)));
+}
+
+#[test]
 fn sr_023_an_irrevocable_command_needs_an_answer_of_this_second_and_none_outstanding() {
     let mut heartbeat = connected();
     beat(&mut heartbeat, 1000, 1010);

@@ -124,10 +124,10 @@ impl<'a> Fields<'a> {
 
     /// The echoed time of a command, with its decimals. Of a command without a time, some vehicles write nothing.
     pub(super) fn echo(&mut self) -> Result<Echo, Fault> {
-        let echo = self.read_or_empty("a time, or nothing", |text| {
-            time(text).map(|echoed| Echo::new(echoed, text.len().saturating_sub("hhmmss.".len())))
-        })?;
-        Ok(echo.unwrap_or(Echo::NONE))
+        self.read("a time, or nothing", |text| match text.trim_ascii() {
+            b"" => Some(Echo::NONE),
+            text => time(text).map(|echoed| Echo::new(echoed, text.len().saturating_sub("hhmmss.".len()))),
+        })
     }
 
     pub(super) fn number(&mut self) -> Result<f64, Fault> {

@@ -195,20 +195,61 @@ def test_a_queue_makes_smaller_what_does_not_fit_into_the_fence():
     def fence(request):
         if isinstance(request, Trackline):
             return 5.0 if LocalFrame(ORIGIN).to_local(request.end).north < 210.0 else far
-        return far
+        return 5.0 if request.radius < 25.0 else far
 
     harness.recorder.fence = fence
     asked = harness.step()
-    for _ in range(6):
-        refused = [outcome(each, Rejected(far)) for each in asked if harness.recorder.fence(each) is far]
-        asked = harness.step(refused)
+    asked = harness.step([outcome(each, Rejected(far)) for each in asked])
     line, circle = queue.inserts
     frame = LocalFrame(ORIGIN)
     start, end = frame.to_local(line.request.start), frame.to_local(line.request.end)
-    assert line.progress is Progress.ASKED and abs(start.north - 100.0) < 0.01 and abs(end.north - 200.0) < 0.01
-    assert circle.progress is Progress.GIVEN_UP and math.isclose(circle.request.radius, 40.0 * 0.75**3)
-    assert ("warn", "insert 2 of 2 made smaller, radius 40 m to radius 30 m: outside of the bay") in harness.lines
-    assert ("warn", "insert 2 of 2 given up: outside of the bay") in harness.lines
+    assert [each.tag for each in asked] == [line.request.tag, circle.request.tag]
+    assert line.progress is Progress.ASKED and abs(start.north) < 0.01 and abs(end.north - 200.0) < 0.01
+    assert circle.progress is Progress.ASKED and math.isclose(circle.request.radius, 40.0 * 0.75**2)
+    assert ("warn", "insert 1 of 2 made smaller, 300 m to 200 m: outside of the bay") in harness.lines
+    assert ("warn", "insert 2 of 2 made smaller, radius 40 m to radius 22 m: outside of the bay") in harness.lines
+
+
+def cut(fits, length=300.0, **settings):
+    """What becomes of a line to the north that the runtime refuses: the metres north at which it begins and ends, or none;
+    and how often the fence was asked."""
+    harness = Harness(Asks)
+    queue = harness.plugin.state.queue = InsertQueue(**settings)
+    far, frame, asked = Refusal(Rule.KEEP_IN, text="outside of the bay"), LocalFrame(ORIGIN), []
+    queue.add(Trackline(0, ORIGIN, frame.to_position(Local(0.0, length)), Depth(10.0), 1.5))
+
+    def ends(request):
+        return tuple(frame.to_local(end).north for end in (request.start, request.end))
+
+    def fence(request):
+        asked.append(request)
+        return 5.0 if fits(*ends(request)) else far
+
+    harness.recorder.fence = fence
+    [first] = harness.step()
+    again = harness.step([outcome(first, Rejected(far))])
+    if not again:
+        assert queue.is_done and ("warn", "insert 1 of 1 given up: outside of the bay") in harness.lines
+        return None, len(asked)
+    return tuple(round(end) for end in ends(again[0])), len(asked)
+
+
+def test_a_queue_cuts_a_line_where_it_does_not_fit_and_nowhere_else():
+    def within(least, most):
+        return lambda start, end: start > least - 1e-3 and end < most + 1e-3
+
+    assert cut(within(-10.0, 220.0)) == ((0, 200), 8)
+    assert cut(within(90.0, 310.0)) == ((100, 300), 8)
+    assert cut(lambda start, end: end < 100.001 or start > 149.999) == ((150, 300), 8)
+    assert cut(lambda start, end: end - start < 150.0)[0] == (100, 200)
+    # Long lines cost no more questions.
+    assert cut(within(0.0, 9_500.0), length=24_000.0) == ((0, 9000), 26)
+
+
+def test_a_queue_gives_up_at_once_what_no_cut_can_mend():
+    assert cut(lambda start, end: False) == (None, 7)
+    assert cut(lambda start, end: start > 99.999 and end < 170.0) == (None, 8)
+    assert cut(lambda start, end: end < 210.0, shorten_m=0.0) == (None, 1)
 
 
 def test_a_queue_counts_a_line_as_flown_by_where_the_vehicle_was():

@@ -91,10 +91,11 @@ class InsertQueue:
 
     - ``attempts_max``: how often an insert is asked for that the vehicle fails or does not fly, ``pause_s`` apart.
     - ``refusals_max``: how often one is asked for again that the runtime refuses for a reason which may pass.
-    - ``shorten_m``: a line that does not fit into the fence is shortened by so many metres at both ends, to no less than
-      ``line_min_m``; 0 gives it up instead.
-    - ``shrink``: a circle that does not fit gets a radius of this part of it, to no less than ``radius_min_m`` metres; 1
-      gives it up instead.
+    - ``shorten_m``: a line that does not fit into the fence is cut to the longest part that fits, in steps of about so many
+      metres, and given up if that is shorter than ``line_min_m``; 0 gives it up at once. If only the way to it or back
+      does not fit, it is shortened by ``shorten_m`` at both ends.
+    - ``shrink``: a circle that does not fit gets a radius of this part of it, until it fits, and is given up below
+      ``radius_min_m`` metres; 1 gives it up at once.
     - ``flown``: an insert that ends early after this part of it counts as flown, 0 to 1.
     - ``on_line_m``: farther from its line than this, metres, the vehicle is still on its way to it.
     """
@@ -262,8 +263,9 @@ class InsertQueue:
             # is tried now and then.
             geometry = refusal.rule in _GEOMETRY
             stuck = geometry and others <= 1 and insert.refusals % max(1, self.refusals_max // 5) == 0
-            if stuck or (geometry and self._misfits(insert.request)):
-                smaller = self._smaller(insert.request)
+            misfits = geometry and not _fits(insert.request)
+            if misfits or stuck:
+                smaller = self._largest_that_fits(insert.request) if misfits else self._smaller(insert.request)
                 if smaller is None:
                     self._give_up(name, insert, refusal.text)
                 else:
@@ -277,9 +279,36 @@ class InsertQueue:
                 if first:
                     log.warn(f"{name} will be asked for again: {refusal.text}")
 
-    def _misfits(self, request: Trackline | Trackcircle) -> bool:
-        answer = fence.check(request)
-        return isinstance(answer, Refusal) and answer.rule in _GEOMETRY
+    def _largest_that_fits(self, request: Trackline | Trackcircle) -> Trackline | Trackcircle | None:
+        if isinstance(request, Trackline):
+            return self._longest_part(request)
+        circle = self._smaller(request)
+        while circle is not None and not _fits(circle):
+            circle = self._smaller(circle)
+        return circle
+
+    def _longest_part(self, request: Trackline) -> Trackline | None:
+        frame = LocalFrame(request.start)
+        line = Line(Local(0.0, 0.0), frame.to_local(request.end))
+        if self.shorten_m <= 0.0 or line.length < self.line_min_m:
+            return None
+        count = min(max(1, int(line.length / self.shorten_m)), _PARTS_MAX)
+
+        def part(first: int, end: int) -> Trackline:
+            ends = (frame.to_position(line.at(line.length * index / count)) for index in (first, end))
+            return replace(request, **dict(zip(("start", "end"), ends)))
+
+        longest, first = (0, 0), 0
+        for index in range(count):
+            if not _fits(part(index, index + 1)):
+                first = index + 1
+            elif index + 1 - first > longest[1] - longest[0]:
+                longest = (first, index + 1)
+        # Where each part fits, all together may not.
+        while longest == (0, count) or (longest[0] < longest[1] and not _fits(part(*longest))):
+            longest = (longest[0] + 1, longest[1] - 1)
+        long_enough = (longest[1] - longest[0]) * line.length / count >= self.line_min_m
+        return part(*longest) if longest[0] < longest[1] and long_enough else None
 
     def _smaller(self, request: Trackline | Trackcircle) -> Trackline | Trackcircle | None:
         if isinstance(request, Trackcircle):
@@ -299,6 +328,15 @@ class InsertQueue:
     def _give_up(self, name: str, insert: Insert, why: str) -> None:
         insert.progress, insert.why = Progress.GIVEN_UP, why
         log.warn(f"{name} given up: {why}")
+
+
+#: A line is tried in so many parts at most, because each question to the fence costs fuel.
+_PARTS_MAX = 24
+
+
+def _fits(request: Trackline | Trackcircle) -> bool:
+    answer = fence.check(request)
+    return not (isinstance(answer, Refusal) and answer.rule in _GEOMETRY)
 
 
 def _size(request: Trackline | Trackcircle) -> str:

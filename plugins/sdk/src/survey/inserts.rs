@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use backseat_units::math::TAU;
 use backseat_units::{EastNorth, LocalFrame};
 use serde::{Deserialize, Serialize};
@@ -49,15 +51,60 @@ impl Leg {
         }
     }
 
+    /// A little smaller, for what may be refused for more than itself, such as the way there.
     fn smaller(&self, settings: &QueueSettings) -> Option<Self> {
         match *self {
             Self::Line(line) => line.shortened(settings.shorten_m, settings.line_min_m).map(Self::Line),
             Self::Circle(circle) => {
                 let radius_m = circle.radius_m * settings.shrink;
-                (radius_m >= settings.radius_min_m).then_some(Self::Circle(Circle { radius_m, ..circle }))
+                (settings.radius_min_m..circle.radius_m)
+                    .contains(&radius_m)
+                    .then_some(Self::Circle(Circle { radius_m, ..circle }))
             }
         }
     }
+
+    /// The longest part of the line, or the largest circle about the same centre, that `fits` and is smaller than this leg;
+    /// `None` if none is large enough.
+    fn largest_that(&self, settings: &QueueSettings, mut fits: impl FnMut(&Self) -> bool) -> Option<Self> {
+        match *self {
+            Self::Line(line) => longest_part(line, settings, |part| fits(&Self::Line(part))).map(Self::Line),
+            Self::Circle(_) => {
+                let smaller = |circle: &Self| circle.smaller(settings);
+                std::iter::successors(smaller(self), smaller)
+                    .take(PARTS_MAX)
+                    .find(|circle| fits(circle))
+            }
+        }
+    }
+}
+
+/// A line is tried in so many parts at most, because each question to the fence costs fuel.
+const PARTS_MAX: usize = 24;
+
+fn longest_part(line: Line, settings: &QueueSettings, mut fits: impl FnMut(Line) -> bool) -> Option<Line> {
+    let length_m = line.length_m();
+    let count = ((length_m / settings.shorten_m) as usize).clamp(1, PARTS_MAX);
+    let at = |index: usize| line.at(length_m * index as f64 / count as f64);
+    let part = |parts: &Range<usize>| Line {
+        start: at(parts.start),
+        end: at(parts.end),
+    };
+    let (mut longest, mut run) = (0..0, 0..0);
+    for index in 0..count {
+        run.end = index + 1;
+        if !fits(part(&(index..run.end))) {
+            run.start = run.end;
+        } else if run.len() > longest.len() {
+            longest = run.clone();
+        }
+    }
+    // Where each part fits, all together may not.
+    while longest.len() == count || !longest.is_empty() && !fits(part(&longest)) {
+        longest = longest.start + 1..longest.end.saturating_sub(1);
+    }
+    let longest = (!longest.is_empty()).then(|| part(&longest))?;
+    (longest.length_m() >= settings.line_min_m).then_some(longest)
 }
 
 /// How legs are flown.
@@ -110,11 +157,12 @@ pub struct QueueSettings {
     pub refusals_max: u32,
     /// The time between two requests for the same leg.
     pub again_ns: u64,
-    /// A line that does not fit into the fence is shortened by this much at both ends, metres.
+    /// A line that does not fit into the fence is cut to the longest part that fits, in steps of about this length, metres. If
+    /// only the way to it or back does not fit, it is shortened by this much at both ends.
     pub shorten_m: f64,
     /// A line is not made shorter than this, metres.
     pub line_min_m: f64,
-    /// A circle that does not fit is made smaller by this factor.
+    /// A circle that does not fit is made smaller by this factor, until it does.
     pub shrink: f64,
     /// A circle is not made smaller than this radius, metres.
     pub radius_min_m: f64,
@@ -280,13 +328,10 @@ impl InsertQueue {
         }
         for event in &input.events {
             if let Event::Outcome(outcome) = event {
-                let request = self.task_of(outcome.tag).map(|index| {
-                    let request = flight.request(&self.tasks[index].leg, outcome.tag, false);
-                    (index, request)
-                });
-                let misfits = || request.as_ref().is_some_and(|(_, request)| refused_by_fence(request));
-                let turn = self.hear(outcome.tag, &outcome.state, input, flight.speed_mps, misfits);
-                if let Some((index, _)) = request {
+                let index = self.task_of(outcome.tag);
+                let fits = |leg: &Leg| !refused_by_fence(&flight.request(leg, outcome.tag, false));
+                let turn = self.hear(outcome.tag, &outcome.state, input, flight.speed_mps, fits);
+                if let Some(index) = index {
                     self.log(index, &turn);
                 }
             } else if let Event::Restored(restored) = event {
@@ -392,14 +437,14 @@ impl InsertQueue {
     }
 
     /// Takes in the outcome of a request; a part of [`InsertQueue::step`]. `speed_mps` is the speed at which legs are
-    /// flown, `misfits` whether the fence refuses the request's geometry.
+    /// flown, `fits` whether the fence lets a leg pass.
     pub fn hear(
         &mut self,
         tag: u64,
         state: &State,
         input: &StepInput,
         speed_mps: f64,
-        misfits: impl FnOnce() -> bool,
+        mut fits: impl FnMut(&Leg) -> bool,
     ) -> Turn {
         let is_final = !matches!(
             state,
@@ -449,8 +494,11 @@ impl InsertQueue {
                 let stuck = is_geometry(why.rule)
                     && others <= 1
                     && task.refusals.is_multiple_of((settings.refusals_max / 5).max(1));
-                if misfits() || stuck {
-                    task.shrink(settings, &why.text, now_ns)
+                if !fits(&task.leg) {
+                    let part = task.leg.largest_that(settings, fits);
+                    task.replace(part, &why.text, now_ns)
+                } else if stuck {
+                    task.replace(task.leg.smaller(settings), &why.text, now_ns)
                 } else if task.refusals < settings.refusals_max {
                     task.wait(settings, now_ns);
                     if first {
@@ -603,8 +651,8 @@ impl Task {
         Turn::Again(why.to_owned())
     }
 
-    fn shrink(&mut self, settings: &QueueSettings, why: &str, now_ns: u64) -> Turn {
-        let Some(smaller) = self.leg.smaller(settings) else {
+    fn replace(&mut self, smaller: Option<Leg>, why: &str, now_ns: u64) -> Turn {
+        let Some(smaller) = smaller else {
             return self.drop(why);
         };
         let sizes = format!("{} to {}", self.leg.size(), smaller.size());

@@ -24,7 +24,7 @@ fn at(now_s: u64) -> StepInput {
 }
 
 fn hear(queue: &mut InsertQueue, tag: u64, state: &State, now_s: u64) -> Turn {
-    queue.hear(tag, state, &at(now_s), 1.5, || false)
+    queue.hear(tag, state, &at(now_s), 1.5, |_| true)
 }
 
 fn done() -> State {
@@ -141,32 +141,120 @@ fn legs_are_flown_in_their_order_although_the_first_is_refused_at_first() {
     assert_eq!(queue.ask(62_000_000_000).unwrap().0, 2);
 }
 
-#[test]
-fn what_does_not_fit_is_made_smaller_until_it_is_too_small() {
-    let mut queue = queue(1);
-    queue.push(Leg::Circle(Circle {
+fn circle(radius_m: f64) -> Leg {
+    Leg::Circle(Circle {
         centre: EastNorth::default(),
-        radius_m: 30.0,
+        radius_m,
         orbits: -2.0,
         entry_deg: None,
-    }));
-    assert!((queue.tasks[1].leg.length_m() - TAU * 60.0).abs() < 1e-9);
+    })
+}
+
+/// What becomes of a leg that the runtime refuses and of which only a part fits into the fence: the turn, the leg, and how
+/// often the fence was asked.
+fn refused(leg: Leg, fits: impl Fn(&Leg) -> bool) -> (Turn, Leg, usize) {
+    let mut queue = InsertQueue::default();
+    queue.push(leg);
+    queue.ask(0);
+    let mut asked = 0;
     let refused = State::Rejected(Refusal::new(Rule::KeepOut, "inside the wreck"));
-    let mut turns = Vec::new();
-    for round in 0..8 {
-        while let Some((index, tag)) = queue.ask(round * SECOND_NS) {
-            turns.push((index, queue.hear(tag, &refused, &at(round), 1.5, || true)));
-        }
+    let turn = queue.hear(1, &refused, &at(1), 1.5, |leg| {
+        asked += 1;
+        fits(leg)
+    });
+    if matches!(turn, Turn::Smaller { .. }) {
+        assert_eq!(queue.ask(SECOND_NS), Some((0, 2)), "it is requested again at once");
+    } else {
+        assert_eq!(queue.ask(1000 * SECOND_NS), None, "it is given up");
     }
-    let smaller = |index| {
-        turns
-            .iter()
-            .filter(|(of, turn)| *of == index && matches!(turn, Turn::Smaller { .. }))
-            .count()
+    (turn, queue.tasks[0].leg, asked)
+}
+
+fn smaller(sizes: &str) -> Turn {
+    Turn::Smaller {
+        sizes: sizes.to_owned(),
+        why: "inside the wreck".to_owned(),
+    }
+}
+
+/// Whether a leg lies in so many metres east.
+fn lies_in(leg: &Leg, bounds: Range<f64>) -> bool {
+    let Leg::Line(line) = leg else { return false };
+    let (west, east) = (
+        line.start.east_m.min(line.end.east_m),
+        line.start.east_m.max(line.end.east_m),
+    );
+    west >= bounds.start - 1e-6 && east <= bounds.end + 1e-6
+}
+
+#[test]
+fn a_line_is_cut_where_it_does_not_fit_and_nowhere_else() {
+    let cut = |bounds: Range<f64>| {
+        let (turn, leg, asked) = refused(line(0), |leg| lies_in(leg, bounds.clone()));
+        let Leg::Line(line) = leg else { panic!("a line") };
+        (turn, line.start.east_m.round(), line.end.east_m.round(), asked)
     };
-    // 300, 200 and 100 m; 30, 22.5 and 16.9 m.
-    assert_eq!((smaller(0), smaller(1)), (2, 2), "{turns:?}");
-    assert!(queue.is_done());
+    // The line has six parts of 50 m, and the fence is asked about the line, its parts and the rest.
+    assert_eq!(cut(-10.0..220.0), (smaller("300 m to 200 m"), 0.0, 200.0, 8));
+    assert_eq!(cut(90.0..310.0), (smaller("300 m to 200 m"), 100.0, 300.0, 8));
+    assert_eq!(cut(40.0..290.0), (smaller("300 m to 200 m"), 50.0, 250.0, 8));
+    // Its parts are too short, or none fits.
+    let given_up = Turn::Dropped("inside the wreck".to_owned());
+    assert_eq!(cut(100.0..170.0), (given_up.clone(), 0.0, 300.0, 8));
+    assert_eq!(cut(400.0..500.0), (given_up, 0.0, 300.0, 7));
+}
+
+#[test]
+fn of_a_line_through_a_keep_out_zone_the_longer_part_is_flown() {
+    let (turn, leg, _) = refused(line(0), |leg| lies_in(leg, 0.0..100.0) || lies_in(leg, 150.0..300.0));
+    let Leg::Line(line) = leg else { panic!("a line") };
+    assert_eq!(turn, smaller("300 m to 150 m"));
+    assert_eq!((line.start.east_m.round(), line.end.east_m.round()), (150.0, 300.0));
+}
+
+#[test]
+fn a_line_whose_parts_fit_but_not_the_whole_loses_both_ends() {
+    let (turn, leg, _) = refused(line(0), |leg| leg.length_m() < 150.0);
+    assert_eq!(turn, smaller("300 m to 100 m"));
+    assert!(lies_in(&leg, 100.0..200.0), "{leg:?}");
+}
+
+#[test]
+fn a_long_line_costs_no_more_questions_than_a_short_one() {
+    let long = Leg::Line(Line {
+        start: EastNorth::new(0.0, 0.0),
+        end: EastNorth::new(24_000.0, 0.0),
+    });
+    let (turn, _, asked) = refused(long, |leg| lies_in(leg, 0.0..9_500.0));
+    assert_eq!((turn, asked), (smaller("24000 m to 9000 m"), 1 + PARTS_MAX + 1));
+}
+
+#[test]
+fn a_circle_is_made_smaller_until_it_fits_or_is_too_small() {
+    let radius_below = |most_m: f64| move |leg: &Leg| matches!(leg, Leg::Circle(circle) if circle.radius_m < most_m);
+    assert_eq!(
+        refused(circle(30.0), radius_below(20.0)).0,
+        smaller("radius 30 m to radius 17 m")
+    );
+    let (turn, leg, _) = refused(circle(30.0), radius_below(16.0));
+    assert_eq!(
+        (turn, leg),
+        (Turn::Dropped("inside the wreck".to_owned()), circle(30.0))
+    );
+    assert!((leg.length_m() - TAU * 60.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_circle_that_shall_not_shrink_is_given_up() {
+    let mut queue = InsertQueue::new(QueueSettings {
+        shrink: 1.0,
+        ..QueueSettings::default()
+    });
+    queue.push(circle(30.0));
+    queue.ask(0);
+    let refused = State::Rejected(Refusal::new(Rule::KeepOut, "inside the wreck"));
+    let turn = queue.hear(1, &refused, &at(1), 1.5, |_| false);
+    assert_eq!(turn, Turn::Dropped("inside the wreck".to_owned()));
 }
 
 #[test]
@@ -179,7 +267,7 @@ fn refusals_without_control_and_answers_to_nobody_count_for_nothing() {
         control: false,
         ..at(1)
     };
-    let turn = queue.hear(1, &refused, &without, 1.5, || true);
+    let turn = queue.hear(1, &refused, &without, 1.5, |_| false);
     assert_eq!(turn, Turn::Again("no control".to_owned()));
     assert_eq!(queue.tasks[0].leg, line(0));
 }

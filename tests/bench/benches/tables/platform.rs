@@ -30,11 +30,7 @@ use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, U
 const TIMES: usize = 15;
 const SEED: u64 = 1;
 
-fn main() {
-    // `cargo test --benches` and lists of tests run this too, but should not measure.
-    if std::env::args().any(|argument| argument == "--test" || argument == "--list") {
-        return;
-    }
+pub(crate) fn print() {
     println!("{HEADER}");
     let folder = tempfile::tempdir().unwrap();
     request_out();

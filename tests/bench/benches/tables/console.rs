@@ -1,6 +1,6 @@
 //! How soon the program at sea reacts, over TCP, with six plugins, a log, a console and viewers; and what ten browsers cost.
 //!
-//! The program must be there: `cargo build --release -p backseat`. `cargo bench -p backseat-bench --bench console`.
+//! The program must be there: `cargo build --release -p backseat`. `cargo bench -p backseat-bench -- console`.
 
 #![expect(
     clippy::disallowed_methods,
@@ -27,11 +27,7 @@ const EVERY: Duration = Duration::from_millis(300);
 const LASTS: Duration = Duration::from_secs(30);
 const BROWSERS: usize = 10;
 
-fn main() {
-    // Test runners ask every target for its tests, and this one has none.
-    if std::env::args().any(|argument| argument == "--list") {
-        return;
-    }
+pub(crate) fn print() {
     let program = program();
     println!("| work | ours | floor | aim |");
     println!("|---|---|---|---|");

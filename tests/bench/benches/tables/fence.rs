@@ -20,11 +20,7 @@ const PLAIN: &str = "parry's plain distance to a Polyline";
 /// Every part of a measurement uses all shapes several times.
 const CALLS: u32 = 16 * 256;
 
-fn main() {
-    // `cargo test --benches` runs this too, but should not measure.
-    if std::env::args().any(|argument| argument == "--test") {
-        return;
-    }
+pub(crate) fn print() {
     println!("{HEADER}");
     legs(100, "400 ns");
     legs(10_000, "2000 ns");

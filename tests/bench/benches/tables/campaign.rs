@@ -28,11 +28,7 @@ const MANY: u64 = 1_000_000;
 /// Runs of a shard, for what it costs to start one.
 const OF_SHARD: f64 = 1000.0;
 
-fn main() {
-    // `cargo test --benches` runs this too, but should not measure.
-    if std::env::args().any(|argument| argument == "--test") {
-        return;
-    }
+pub(crate) fn print() {
     println!("{HEADER}");
     let folder = tempfile::tempdir().expect("a folder");
     let run_s = rate(folder.path());

@@ -20,11 +20,7 @@ const CLIENTS: usize = 100;
 const HZ: u32 = 10;
 const SERVED_FOR: Duration = Duration::from_secs(10);
 
-fn main() {
-    // `cargo test --benches` runs this too, but should not measure.
-    if std::env::args().any(|argument| argument == "--test") {
-        return;
-    }
+pub(crate) fn print() {
     println!("{HEADER}");
     kinematic(false);
     kinematic(true);

@@ -14,11 +14,7 @@ const VELOCITY: &[u8] = b"$BFNVR,081025.987,-0.5864,-1.3746,0.02,0.1,-0.25,1.5*5
 const ACKNOWLEDGEMENT: &[u8] = b"$BFACK,081025.987,RMB,081025.950,0,2,0,accepted*05\r\n";
 const DOPPLER: &[u8] = b"$BFDVL,081025.987,1.5,-0.02,0.01,45.1,45.3,,45,10.25,081025.900*7A\r\n";
 
-fn main() {
-    // `cargo test --benches` runs this too, but should not measure.
-    if std::env::args().any(|argument| argument == "--test") {
-        return;
-    }
+pub(crate) fn print() {
     println!("{HEADER}");
     decode("BFNVG", NAVIGATION, || {
         black_box(by_hand::navigation(black_box(NAVIGATION)).expect("it is one"));

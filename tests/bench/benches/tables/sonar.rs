@@ -13,11 +13,7 @@ use backseat_sonar::{Input, SonarConfig};
 use backseat_sonar_bridge::{Act, Bridge};
 use backseat_units::{EastNorth, LocalFrame, Position, Timestamp, Utc};
 
-fn main() {
-    // `cargo test --benches` runs this too, but should not measure.
-    if std::env::args().any(|argument| argument == "--test") {
-        return;
-    }
+pub(crate) fn print() {
     println!("{HEADER}");
     whole_loop("quick look: 455 samples a side, 5 pings/s", 455, 220, 200, "5,000 x");
     whole_loop("full: 8,333 samples a side, 10 pings/s", 8333, 12, 100, "100 x");

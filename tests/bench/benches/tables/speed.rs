@@ -17,11 +17,7 @@ use backseat_scenario::Scenario;
 use backseat_sim::Simulation;
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 
-fn main() {
-    // `cargo test --benches` runs this too, but should not measure.
-    if std::env::args().any(|argument| argument == "--test") {
-        return;
-    }
+pub(crate) fn print() {
     println!("{HEADER}");
     step();
     whole_loop();

@@ -89,16 +89,19 @@ fn after_a_failure_nothing_is_requested_twice_and_the_survey_succeeds() {
 }
 
 #[test]
-fn a_line_that_does_not_fit_is_shortened_and_then_given_up() {
+fn a_line_that_does_not_fit_is_cut_to_the_part_that_does() {
     let mut trial = Trial::new(11);
-    // Nothing may go farther than 200 m to the east, which is less than a line's length from its other end.
-    trial.answer = |request, _| match request {
-        Request::Trackline(line) if line.start.longitude.max(line.end.longitude) > -70.5976 => Some(State::Rejected(
-            Refusal::new(Rule::KeepIn, "keep-in zone 'box' left by 31.2 m"),
-        )),
-        _ => None,
-    };
-    with_fence(|_| Some(Refusal::new(Rule::KeepIn, "no room")), || trial.run());
+    // Nothing may go farther than 200 m to the east.
+    fn bounds(request: &Request) -> Option<Refusal> {
+        match request {
+            Request::Trackline(line) if line.start.longitude.max(line.end.longitude) > -70.5976 => {
+                Some(Refusal::new(Rule::KeepIn, "keep-in zone 'box' left by 31.2 m"))
+            }
+            _ => None,
+        }
+    }
+    trial.answer = |request, _| bounds(request).map(State::Rejected);
+    with_fence(bounds, || trial.run());
     assert!(trial.done);
     assert!(trial.circle.is_some(), "{:?}", trial.messages);
     assert!(trial.asked < 80, "{}", trial.asked);
@@ -106,14 +109,15 @@ fn a_line_that_does_not_fit_is_shortened_and_then_given_up() {
 
 #[test]
 fn a_circle_that_does_not_fit_is_made_smaller() {
-    let mut trial = Trial::new(12);
-    trial.answer = |request, _| match request {
-        Request::Trackcircle(circle) if circle.radius > 40.0 => {
-            Some(State::Rejected(Refusal::new(Rule::KeepOut, "keep-out")))
+    fn room(request: &Request) -> Option<Refusal> {
+        match request {
+            Request::Trackcircle(circle) if circle.radius > 40.0 => Some(Refusal::new(Rule::KeepOut, "keep-out")),
+            _ => None,
         }
-        _ => None,
-    };
-    with_fence(|_| Some(Refusal::new(Rule::KeepIn, "no room")), || trial.run());
+    }
+    let mut trial = Trial::new(12);
+    trial.answer = |request, _| room(request).map(State::Rejected);
+    with_fence(room, || trial.run());
     let circle = trial.circle.as_ref().unwrap();
     assert!((30.0..40.0).contains(&circle.radius), "{}", circle.radius);
     assert_eq!(trial.gaps, 0);

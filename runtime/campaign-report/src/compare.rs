@@ -1,3 +1,4 @@
+use std::cmp::Ordering;
 use std::fmt;
 
 use serde::Serialize;
@@ -41,8 +42,11 @@ pub enum Verdict {
     TooFew,
     /// All pairs are equal.
     Equal,
-    /// The interval holds zero, or the sign test finds chance enough.
+    /// The interval holds zero, and the sign test finds chance enough.
     NoDifference,
+    /// One of the two shows a difference and the other does not, or they show opposite ones: the mean differs, but not the
+    /// same way for most seeds, or the other way round.
+    Mixed,
     /// Both say that the other is smaller.
     Smaller,
     /// Both say that the other is larger.
@@ -104,13 +108,17 @@ impl Comparison {
         if self.seeds < SEEDS_MIN {
             return Verdict::TooFew;
         }
-        let signs = self.p < P_MAX;
-        if signs && self.interval.high < 0.0 && self.smaller > self.larger {
-            Verdict::Smaller
-        } else if signs && self.interval.low > 0.0 && self.larger > self.smaller {
-            Verdict::Larger
+        let signs = (self.p < P_MAX).then_some(self.larger.cmp(&self.smaller));
+        let mean = if self.interval.high < 0.0 {
+            Some(Ordering::Less)
         } else {
-            Verdict::NoDifference
+            (self.interval.low > 0.0).then_some(Ordering::Greater)
+        };
+        match (mean, signs) {
+            (Some(Ordering::Less), Some(Ordering::Less)) => Verdict::Smaller,
+            (Some(Ordering::Greater), Some(Ordering::Greater)) => Verdict::Larger,
+            (None, None) => Verdict::NoDifference,
+            (_, _) => Verdict::Mixed,
         }
     }
 
@@ -129,10 +137,11 @@ impl fmt::Display for Comparison {
         match self.verdict() {
             Verdict::Equal => write!(f, "no difference: equal for each of {} seeds", self.seeds)?,
             Verdict::TooFew => write!(f, "too few seeds ({}) to say", self.seeds)?,
-            verdict @ (Verdict::NoDifference | Verdict::Smaller | Verdict::Larger) => {
+            verdict @ (Verdict::NoDifference | Verdict::Mixed | Verdict::Smaller | Verdict::Larger) => {
                 let word = match verdict {
                     Verdict::Smaller => "smaller",
                     Verdict::Larger => "larger",
+                    Verdict::Mixed => "mixed, mean and sign test disagree",
                     Verdict::NoDifference | Verdict::Equal | Verdict::TooFew => "no difference shown",
                 };
                 write!(
@@ -197,6 +206,25 @@ mod tests {
         let comparison = compared([values.clone(), values].concat());
         assert_eq!(comparison.verdict(), Verdict::Equal);
         assert_eq!(comparison.to_string(), "no difference: equal for each of 100 seeds");
+    }
+
+    #[test]
+    fn a_mean_that_differs_without_most_seeds_is_mixed_and_so_are_seeds_without_the_mean() {
+        let verdict = |values: fn(usize) -> f64| {
+            let other = (0..100).map(|seed| Some(values(seed)));
+            compared(vec![Some(0.0); 100].into_iter().chain(other).collect())
+        };
+        // Half of the seeds lose ten, and half gain one.
+        let mean = verdict(|seed| if seed % 2 == 0 { -10.0 } else { 1.0 });
+        assert_eq!(mean.verdict(), Verdict::Mixed);
+        assert!(
+            mean.to_string()
+                .starts_with("mixed, mean and sign test disagree: difference -4.5"),
+            "{mean}"
+        );
+        // Most lose a little, and few gain much.
+        let most = verdict(|seed| if seed % 4 == 0 { 3.0 } else { -1.0 });
+        assert_eq!((most.verdict(), most.smaller), (Verdict::Mixed, 75));
     }
 
     #[test]

@@ -182,11 +182,12 @@ fn comparisons(outcomes: &Outcomes, measures: &[usize]) -> Markup {
         p.dim {
             "Each run is compared with the run of " strong { (first.name) } " with the same point and seed: difference = other "
             "less " (first.name) ". Each seed counts once, with the mean over its points. The verdict is smaller or larger "
-            "only if the bootstrap's 95 % interval of the mean difference leaves 0 out and the sign test finds p < 0.05. Among "
-            "many measures some differ by chance."
+            "only if the bootstrap's 95 % interval of the mean difference leaves 0 out and the sign test finds p < 0.05, both to the "
+            "same side; it is mixed if only one of them does. In the pairs both runs have the measure; alone are "
+            "pairs in which only one has it. Among many measures some differ by chance."
         }
         div.wide { table {
-            tr { th { "measure" } th.text { "other" } th.text { "verdict" } th { "mean difference" } th { "95 % interval" } th { "smaller" } th { "larger" } th { "seeds" } th { "pairs" } th { "sign test" } }
+            tr { th { "measure" } th.text { "other" } th.text { "verdict" } th { "mean difference" } th { "95 % interval" } th { "smaller" } th { "larger" } th { "seeds" } th { "pairs" } th { "alone" } th { "sign test" } }
             @for measure in measures {
                 @for other in &outcomes.arms[1..] {
                     @if let Some(comparison) = Comparison::new(outcomes, first, other, *measure) {
@@ -203,6 +204,7 @@ fn comparison_row(comparison: &Comparison) -> Markup {
         Verdict::TooFew => "too few seeds",
         Verdict::Equal => "no difference: all are equal",
         Verdict::NoDifference => "no difference shown",
+        Verdict::Mixed => "mixed: mean and sign test disagree",
         Verdict::Smaller => "smaller",
         Verdict::Larger => "larger",
     };
@@ -213,7 +215,7 @@ fn comparison_row(comparison: &Comparison) -> Markup {
             td { (figure(comparison.interval.low)) " to " (figure(comparison.interval.high)) }
             td { (comparison.smaller) } td { (comparison.larger) }
             td { (comparison.seeds) }
-            td { (comparison.pairs) @if comparison.alone > 0 { " (" (comparison.alone) " with one alone)" } }
+            td { (comparison.pairs) } td { (comparison.alone) }
             td { (comparison.p_text()) }
         }
     }

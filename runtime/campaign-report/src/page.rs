@@ -204,7 +204,7 @@ fn comparison_row(comparison: &Comparison) -> Markup {
         Verdict::TooFew => "too few seeds",
         Verdict::Equal => "no difference: all are equal",
         Verdict::NoDifference => "no difference shown",
-        Verdict::Mixed => "mixed: mean and sign test disagree",
+        Verdict::Mixed => "mixed",
         Verdict::Smaller => "smaller",
         Verdict::Larger => "larger",
     };

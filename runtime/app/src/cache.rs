@@ -22,7 +22,7 @@ pub(crate) fn host(arguments: &MissionArguments) -> Result<Host, HostError> {
 /// If this machine cannot run WebAssembly.
 pub(crate) fn host_with(cache: bool) -> Result<Host, HostError> {
     let cache = if cache { Cache::of_user(tell) } else { None };
-    Ok(Host::new()?.with_cache(cache))
+    Ok(Host::new()?.with_cache(cache).with_notice(|text| info!("{text}")))
 }
 
 fn tell(notice: Notice) {

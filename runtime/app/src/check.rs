@@ -14,7 +14,7 @@ use crate::arguments::MissionArguments;
 use crate::cache::host;
 use crate::check::machine::RoomForLogs;
 use crate::clock::Clock;
-use crate::lock::{sign, signer};
+use crate::lock::{beside_lock, sign, signer};
 use crate::output::{kib, say};
 use crate::run::host_and_port;
 use crate::state::State;
@@ -197,6 +197,11 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             findings.extend(machine::kept(&mission, &state)?);
         }
         Err(error) => findings.push(format!("state: {error:#}")),
+    }
+    if let (Some(loaded), None) = (&loaded, &arguments.sign)
+        && let Some(line) = beside_lock(&mission, &loaded.components)?
+    {
+        say!("{line}");
     }
     for finding in &findings {
         say!("{}", with_suggestion(finding));

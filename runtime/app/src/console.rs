@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use backseat_console::{About, Asked, Hub, Kind, Limits, Listener, Origin, Service, Teller, Tls, Token, serve};
 use backseat_mission::Mission;
 use backseat_units::Utc;
-use backseat_viewer::Feed;
+use backseat_viewer::{Feed, Port};
 use clap::Args;
 use tokio::sync::mpsc::Receiver;
 use tracing::{error, info};
@@ -59,8 +59,9 @@ impl WatchArguments {
 }
 
 /// Serves the log's channels to viewers.
-fn viewers(address: SocketAddr, mission: &Mission, utc: Utc) -> Result<Feed> {
-    let (feed, address) = backseat_viewer::serve(address, &mission.name, utc.as_unix_nanos()).context("--foxglove")?;
+fn viewers(port: Port, mission: &Mission, utc: Utc) -> Result<Feed> {
+    let address = port.address();
+    let feed = backseat_viewer::serve(port, &mission.name, utc.as_unix_nanos()).context("--foxglove")?;
     info!("viewers: in Foxglove or Lichtblick open the connection ws://{address}");
     Ok(feed)
 }
@@ -90,8 +91,8 @@ pub(crate) fn address(text: &str) -> Result<SocketAddr, String> {
 pub(crate) struct Console {
     /// The web console, whose port is open.
     page: Option<Listener>,
-    /// Where viewers are served.
-    viewers: Option<SocketAddr>,
+    /// Where viewers are served. The port is open too.
+    viewers: Option<Port>,
 }
 
 /// What the console and the loop have of each other.
@@ -104,7 +105,7 @@ pub(crate) struct Attached {
 }
 
 impl ConsoleArguments {
-    /// Opens the port, so that a wrong one is found before the run begins.
+    /// Opens the ports, so that a wrong one is found before the run begins.
     pub(crate) fn open(&self) -> Result<Console> {
         let listener = match (self.console, &self.console_cert, &self.console_key) {
             (None, ..) => None,
@@ -116,7 +117,7 @@ impl ConsoleArguments {
         };
         Ok(Console {
             page: listener.transpose().context("--console")?,
-            viewers: self.foxglove,
+            viewers: self.foxglove.map(Port::open).transpose().context("--foxglove")?,
         })
     }
 }
@@ -132,7 +133,7 @@ impl Console {
         utc: Utc,
         state: &State,
     ) -> Result<Attached> {
-        let viewers = self.viewers.map(|address| viewers(address, mission, utc)).transpose()?;
+        let viewers = self.viewers.map(|port| viewers(port, mission, utc)).transpose()?;
         let path = state.hold_path().with_file_name("console.token");
         // A full disk stops no run: it goes on without what only shows it.
         let page = self.page.and_then(|page| match Token::create(&path) {

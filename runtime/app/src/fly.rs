@@ -124,7 +124,11 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
     let passing = Passing(std::env::temp_dir().join(format!("backseat-fly-{}", std::process::id())));
     let state = State::open(arguments.state.as_deref().unwrap_or(&passing.0), None)?;
     let identifiers = match state.identifiers(None)? {
-        None if names_requests(&mission) => state.identifiers(Some(1))?,
+        None if names_requests(&mission) => {
+            let first = state.identifiers(Some(1))?;
+            first.iter().try_for_each(|first| state.begin_record(first))?;
+            first
+        }
         recorded => recorded,
     };
     let log = log_path(&arguments.log, &mission);

@@ -192,7 +192,8 @@ mod tests {
     fn what_is_asked_is_kept_and_what_was_used_is_kept_last() {
         let folder = tempfile::tempdir().unwrap();
         let state = State::open(folder.path(), None).unwrap();
-        state.identifiers(Some(1)).unwrap();
+        let identifiers = state.identifiers(Some(1)).unwrap().unwrap();
+        state.begin_record(&identifiers).unwrap();
         let (sender, mut kept) = unbounded_channel();
         let keeper = Keeper::start(state, false, sender).unwrap();
         keeper.reserve(reservation(65));
@@ -225,7 +226,8 @@ mod tests {
     fn sr_022_a_stuck_state_folder_is_waited_for_by_nobody() {
         let folder = tempfile::tempdir().unwrap();
         let state = State::open(folder.path(), None).unwrap();
-        state.identifiers(Some(1)).unwrap();
+        let identifiers = state.identifiers(Some(1)).unwrap().unwrap();
+        state.begin_record(&identifiers).unwrap();
         // A named pipe that no process opens.
         let pipe = folder.path().join("identifiers.new");
         assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use backseat_fence::Rfc3339;
-use backseat_lock::{Contents, LOCK, Parts, PublicKey, SecretKey, create_keys, open, seal, sha256};
+use backseat_lock::{Contents, LOCK, Parts, PublicKey, SecretKey, create_keys, open, open_unverified, seal, sha256};
 use backseat_mission::Mission;
 use backseat_units::Utc;
 use clap::Args;
@@ -136,6 +136,27 @@ pub(crate) fn sign(
     std::fs::write(&path, lock).with_context(|| path.display().to_string())?;
     say!("signed: {}", path.display());
     Ok(())
+}
+
+/// How a mission stands to the lock in its folder, if there is one, in a line. Whether somebody whom the vehicle trusts has
+/// signed the lock is not looked at.
+pub(crate) fn beside_lock(mission: &Mission, components: &[(String, Vec<u8>)]) -> Result<Option<String>> {
+    let path = mission.folder.join(LOCK);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let signed = match open_unverified(&path) {
+        Ok(signed) => signed,
+        Err(error) => return Ok(Some(format!("warning: {error}"))),
+    };
+    let now = contents(mission, components, &[], &program_sha256()?, "", "")?;
+    Ok(Some(match signed.difference(&now) {
+        None => format!("{LOCK}: nothing differs from what {} signed", signed.signed_by),
+        Some(difference) => format!(
+            "warning: {LOCK}: {difference}, so that `run --locked` refuses this mission: restore what {} signed, or sign anew",
+            signed.signed_by
+        ),
+    }))
 }
 
 /// Reads the components of a mission, before anything of them runs.

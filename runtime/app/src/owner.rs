@@ -45,6 +45,19 @@ pub(crate) fn explained(path: &Path, error: Error) -> anyhow::Error {
     anyhow::Error::new(error).context(what)
 }
 
+/// The error of a folder that is to be made, with what to do about it. The folder in which it is to be is left as it is: it
+/// may be the system's.
+pub(crate) fn not_made(folder: &Path, error: Error) -> anyhow::Error {
+    if error.kind() != ErrorKind::PermissionDenied || folder.exists() {
+        return explained(folder, error);
+    }
+    let asked = user(rustix::process::geteuid().as_raw());
+    let place = folder.display();
+    explained(folder, error).context(format!(
+        "{place} cannot be made: make it as root with `install -d -o {asked} {place}`"
+    ))
+}
+
 /// A user's name, or the number of one without a name.
 fn user(number: u32) -> String {
     let accounts = fs::read_to_string("/etc/passwd").unwrap_or_default();
@@ -69,6 +82,23 @@ mod tests {
         assert_eq!(told.contains("belongs to root"), !ours, "{told}");
         let missing = explained(Path::new("/nowhere/file"), Error::from(ErrorKind::NotFound));
         assert_eq!(format!("{missing:#}"), "/nowhere/file: entity not found");
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_made_by_root_and_the_one_around_it_stays() {
+        let told = |place: &str| {
+            format!(
+                "{:#}",
+                not_made(Path::new(place), Error::from(ErrorKind::PermissionDenied))
+            )
+        };
+        let missing = told("/proc/none/logs");
+        assert!(
+            missing.starts_with("/proc/none/logs cannot be made: make it as root with `install -d -o ")
+                && !missing.contains("chown"),
+            "{missing}"
+        );
+        assert!(!told("/proc").contains("install -d"));
     }
 
     #[test]

@@ -34,7 +34,7 @@ use crate::log::sources;
 use crate::log_parts::{Current, Parts, Split, split};
 use crate::log_room::{LogRoom, size};
 use crate::operator::Signals;
-use crate::owner::explained;
+use crate::owner::not_made;
 use crate::plugins::Crew;
 use crate::recording::Recording;
 use crate::run::alone::Alone;
@@ -127,7 +127,12 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
             settings => error.context(format!("{settings} changes the mission: leave it out")),
         })?;
     } else if mission.folder.join(LOCK).exists() {
-        info!("{LOCK} is there: without --locked NAME.pub nothing is compared with it");
+        let text = format!("{LOCK} is there: without --locked NAME.pub nothing is compared with it");
+        if arguments.arm {
+            warn!("{text}");
+        } else {
+            info!("{text}");
+        }
     }
     let host = host(&arguments.mission)?;
     // The cache is read and written before the loop begins, and a disk that hangs is waited for only briefly: a runtime
@@ -170,6 +175,12 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         "plugins: {cached} from the cache, {} compiled",
         loaded.origins.len() - cached
     );
+    if arguments.first_identifier.is_some()
+        && let Some(first) = &identifiers
+    {
+        // The last thing that can fail: whoever mends what failed before starts with the same words again.
+        state.begin_record(first)?;
+    }
     if identifiers.is_none() && names_requests(&mission) {
         warn!(
             "no record of SPI identifiers at {}: tracklines, circles, GPS hits and acoustic packets are off; begin a \
@@ -323,7 +334,7 @@ pub(crate) fn open_log(
     listener: Option<Listener>,
 ) -> Result<Recording> {
     if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|error| explained(folder, error))?;
+        std::fs::create_dir_all(folder).map_err(|error| not_made(folder, error))?;
     }
     info!("log: {}", path.display());
     Recording::create(

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 use backseat_core::{Identifiers, Operator, Reservation};
 use backseat_mission::Mission;
 
-use crate::owner::explained;
+use crate::owner::{explained, not_made};
 
 /// The name of the file that is locked.
 const LOCK: &str = "lock";
@@ -59,7 +59,7 @@ impl State {
     /// that belongs to a vehicle while the mission names none, and one with a record that belongs to no vehicle.
     pub(crate) fn open(folder: &Path, vehicle: Option<&str>) -> Result<Self> {
         let folder = folder.to_path_buf();
-        fs::create_dir_all(&folder).map_err(|error| explained(&folder, error))?;
+        fs::create_dir_all(&folder).map_err(|error| not_made(&folder, error))?;
         let path = folder.join(LOCK);
         let lock = fs::File::create(&path).map_err(|error| explained(&path, error))?;
         match lock.try_lock() {
@@ -123,8 +123,9 @@ impl State {
         }
     }
 
-    /// The identifiers that may be used: all from the recorded number on. `None` without a record: then no insert is
-    /// sent, because a number might be used twice.
+    /// The identifiers that may be used: all from the recorded number on, or from `first` on if there is no record yet.
+    /// `None` without either: then no insert is sent, because a number might be used twice. Nothing is written, so that a
+    /// start that fails after this has begun no record: [`State::begin_record`] does that.
     pub(crate) fn identifiers(&self, first: Option<u32>) -> Result<Option<Identifiers>> {
         let path = self.identifiers_path();
         match (fs::read_to_string(&path), first) {
@@ -132,7 +133,8 @@ impl State {
                 let Some(identifiers) = identifiers(&text) else {
                     bail!(
                         "{}: expected a number above 0, alone or followed by three (the mission's first identifier, \
-                         inserts, GPS hits), found {:?}",
+                         inserts, GPS hits), found {:?}: write into it a number above all that were used in this mission \
+                         of the vehicle",
                         path.display(),
                         text.trim()
                     );
@@ -156,19 +158,20 @@ impl State {
                     path.display()
                 );
             }
-            (Err(error), Some(first)) if error.kind() == std::io::ErrorKind::NotFound => {
-                let identifiers = Identifiers {
-                    next: first,
-                    reserved: first,
-                    first,
-                    ..Identifiers::default()
-                };
-                self.write_identifiers(&identifiers)?;
-                Ok(Some(identifiers))
-            }
+            (Err(error), Some(first)) if error.kind() == std::io::ErrorKind::NotFound => Ok(Some(Identifiers {
+                next: first,
+                reserved: first,
+                first,
+                ..Identifiers::default()
+            })),
             (Err(error), None) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
             (Err(error), _) => Err(explained(&path, error)),
         }
+    }
+
+    /// Begins a record of these identifiers. Returns when it is on disk.
+    pub(crate) fn begin_record(&self, identifiers: &Identifiers) -> Result<()> {
+        self.write_identifiers(identifiers)
     }
 
     /// Records that all of a reservation may have been used. Returns when the record is on disk.

@@ -2,14 +2,14 @@
 
 mod api;
 mod assets;
+mod conversation;
 mod guard;
 mod socket;
 mod tls;
 
-use std::collections::VecDeque;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::AtomicU32;
 use std::thread;
 use std::time::Duration;
 
@@ -22,7 +22,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
-use tokio::task::{AbortHandle, yield_now};
+use tokio::task::yield_now;
 use tokio::time::timeout;
 use tracing::warn;
 
@@ -31,11 +31,10 @@ use crate::operator::{Asked, Desk};
 use crate::pace::Pace;
 use crate::token::Token;
 
+use self::conversation::{Conversations, Trust};
 use self::socket::Feeds;
 pub use self::tls::Tls;
 
-/// Connections at once. A browser opens about six.
-const CONNECTIONS_MAX: usize = 96;
 /// A client that has not sent the head of its request after this is cut off.
 const HEAD_WITHIN: Duration = Duration::from_secs(5);
 /// The largest body of a request, bytes.
@@ -217,7 +216,7 @@ fn router(shared: Arc<Shared>) -> Router {
 }
 
 async fn accept(listener: TcpListener, tls: Option<Tls>, router: Router) {
-    let mut open: VecDeque<Conversation> = VecDeque::new();
+    let mut open = Conversations::default();
     let (mut told, mut waited) = (false, false);
     loop {
         let accepted = if waited {
@@ -233,8 +232,8 @@ async fn accept(listener: TcpListener, tls: Option<Tls>, router: Router) {
         } else {
             listener.accept().await
         };
-        let stream = match accepted {
-            Ok((stream, _)) => stream,
+        let (stream, peer) = match accepted {
+            Ok(accepted) => accepted,
             Err(error) => {
                 if !std::mem::replace(&mut told, true) {
                     warn!("console: no further connections for now: {error}");
@@ -244,21 +243,14 @@ async fn accept(listener: TcpListener, tls: Option<Tls>, router: Router) {
                 continue;
             }
         };
-        open.retain(|conversation| !conversation.task.is_finished());
-        if open.len() >= CONNECTIONS_MAX {
-            // Sockets that say nothing never keep out who has something to ask: the oldest that waits for a request goes.
-            let idle = |conversation: &Conversation| !conversation.busy.load(Ordering::Relaxed);
-            let Some(place) = open.iter().position(idle) else {
-                continue;
-            };
-            if let Some(oldest) = open.remove(place) {
-                oldest.task.abort();
-                // Its socket closes when it has its turn.
-                yield_now().await;
-            }
+        match open.make_room() {
+            None => {}
+            // Its socket closes when it has its turn.
+            Some(true) => yield_now().await,
+            Some(false) => continue,
         }
-        let busy = Arc::new(AtomicBool::new(false));
-        let router = router.clone().layer(Extension(Busy(Arc::clone(&busy))));
+        let trust = Trust::default();
+        let router = router.clone().layer(Extension(trust.clone()));
         let task = match tls.clone() {
             None => tokio::spawn(converse(stream, router)),
             Some(Tls(acceptor)) => tokio::spawn(async move {
@@ -268,21 +260,9 @@ async fn accept(listener: TcpListener, tls: Option<Tls>, router: Router) {
                 }
             }),
         };
-        let task = task.abort_handle();
-        open.push_back(Conversation { busy, task });
+        open.add(peer.ip(), trust, task.abort_handle());
     }
 }
-
-/// A connection.
-struct Conversation {
-    /// A request is being answered.
-    busy: Arc<AtomicBool>,
-    task: AbortHandle,
-}
-
-/// Says of a connection that a request is being answered.
-#[derive(Clone)]
-struct Busy(Arc<AtomicBool>);
 
 async fn converse(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, router: Router) {
     let served = http1::Builder::new()

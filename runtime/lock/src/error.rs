@@ -27,7 +27,7 @@ pub enum LockError {
         path: PathBuf,
     },
     /// A file is no key.
-    #[error("{}: is no {expected} key: make a pair with `backseat key NAME`", path.display())]
+    #[error("{}: is no {expected} key: `backseat key NAME` makes a pair, NAME.key (secret) and NAME.pub (public)", path.display())]
     Key {
         /// Its path.
         path: PathBuf,

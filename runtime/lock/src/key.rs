@@ -98,12 +98,14 @@ impl SecretKey {
     /// [`LockError`] with the file.
     pub fn read(path: &Path) -> Result<Self, LockError> {
         let about = std::fs::metadata(path).map_err(|source| LockError::read(path, MAKE, source))?;
+        // A public key, which all may read, is told as what it is.
+        let secret = read(path, SECRET, "secret")?;
         if about.permissions().mode() & 0o077 != 0 {
             return Err(LockError::Permissions {
                 path: path.to_path_buf(),
             });
         }
-        Ok(Self(SigningKey::from_bytes(&read(path, SECRET, "secret")?)))
+        Ok(Self(SigningKey::from_bytes(&secret)))
     }
 
     pub(crate) fn sign(&self, text: &str) -> String {

@@ -15,7 +15,7 @@ mod signed;
 pub use contents::{Contents, Parts, sha256};
 pub use error::LockError;
 pub use key::{PublicKey, SecretKey, create_keys};
-pub use signed::{open, seal};
+pub use signed::{open, open_unverified, seal};
 
 /// The name of a mission's lock in its folder.
 pub const LOCK: &str = "mission.lock";

@@ -19,6 +19,9 @@ pub const COMPONENT_BYTES: usize = 32 << 20;
 /// [`Cache`]; one that takes longer was probably built to do so.
 pub const COMPILE_TIME: Duration = Duration::from_secs(120);
 
+/// How long a compilation may take before the host says that it is at it: see [`Host::with_notice`].
+const SILENT: Duration = Duration::from_secs(5);
+
 /// A plugin's stack, bytes. An overflow is a trap.
 const STACK_BYTES: usize = 512 << 10;
 
@@ -28,6 +31,7 @@ pub struct Host {
     engine: Engine,
     linker: Arc<Linker<State>>,
     cache: Option<Cache>,
+    notice: Option<Arc<dyn Fn(String) + Send + Sync>>,
 }
 
 /// Where the code of a component comes from.
@@ -67,7 +71,16 @@ impl Host {
             engine,
             linker: Arc::new(linker),
             cache: None,
+            notice: None,
         })
+    }
+
+    /// Calls this with one line, from the thread that loads a component, when its compilation has taken 5 s and goes on:
+    /// one in Python takes half a minute, in which a user would otherwise see nothing.
+    #[must_use]
+    pub fn with_notice(mut self, notice: impl Fn(String) + Send + Sync + 'static) -> Self {
+        self.notice = Some(Arc::new(notice));
+        self
     }
 
     /// Loads components from this cache where it has them, and keeps in it what it compiles. A component behaves the
@@ -144,12 +157,18 @@ impl Host {
         time_max: Duration,
     ) -> Result<wasmtime::component::Component, HostError> {
         let (done, compiled) = mpsc::channel();
+        let size_mb = bytes.len() as f64 / 1e6;
         let (engine, thread_name, bytes) = (self.engine.clone(), name.to_owned(), bytes.to_vec());
         std::thread::spawn(move || {
             // The receiver is gone if the compilation took too long.
             let _ = done.send(inspection::compile(&engine, &thread_name, &bytes));
         });
-        match compiled.recv_timeout(time_max) {
+        let waited = wait(&compiled, time_max, SILENT, || {
+            if let Some(notice) = &self.notice {
+                notice(self.is_compiling(name, size_mb));
+            }
+        });
+        match waited {
             Ok(compiled) => compiled,
             Err(mpsc::RecvTimeoutError::Timeout) => Err(HostError::TooSlow {
                 plugin: name.to_owned(),
@@ -160,6 +179,14 @@ impl Host {
                 reason: "the compiler panicked".to_owned(),
             }),
         }
+    }
+
+    fn is_compiling(&self, name: &str, size_mb: f64) -> String {
+        let next = match &self.cache {
+            Some(cache) if cache.is_in_use() => "the next start takes it from the cache",
+            Some(_) | None => "each start compiles it, because there is no cache",
+        };
+        format!("plugin `{name}`: compiling its {size_mb:.1} MB of WebAssembly, which may take a minute; {next}")
     }
 
     /// Advances the epoch by one tick, for plugins with [`Plugin::set_deadline_ticks`]. A deployed runtime's watchdog
@@ -217,6 +244,22 @@ impl Component {
     }
 }
 
+/// Waits at most `time_max` for a result, and calls this once when `silent` has passed without one.
+fn wait<T>(
+    result: &mpsc::Receiver<T>,
+    time_max: Duration,
+    silent: Duration,
+    is_slow: impl FnOnce(),
+) -> Result<T, mpsc::RecvTimeoutError> {
+    match result.recv_timeout(time_max.min(silent)) {
+        Err(mpsc::RecvTimeoutError::Timeout) if time_max > silent => {
+            is_slow();
+            result.recv_timeout(time_max - silent)
+        }
+        waited => waited,
+    }
+}
+
 fn config() -> Config {
     let mut config = Config::new();
     config.wasm_component_model(true).concurrency_support(false);
@@ -252,5 +295,54 @@ fn operator_cost() -> OperatorCost {
             ..VariableOperatorCost::new()
         },
         ..OperatorCost::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What comes of waiting at most this long for a result, and whether it was called slow.
+    fn waited(result: &mpsc::Receiver<u8>, time_max: Duration) -> (Result<u8, mpsc::RecvTimeoutError>, bool) {
+        let mut slow = false;
+        let waited = wait(result, time_max, Duration::from_millis(5), || slow = true);
+        (waited, slow)
+    }
+
+    #[test]
+    fn a_long_compilation_is_told_once_and_a_short_one_is_not() {
+        let second = Duration::from_secs(1);
+        let (done, compiled) = mpsc::channel();
+        done.send(7).unwrap();
+        assert_eq!(waited(&compiled, second), (Ok(7), false));
+        let at_it = std::thread::spawn(move || {
+            // Nobody sends there: it waits for the time alone.
+            let (_silent, nothing) = mpsc::channel::<()>();
+            let _timeout = nothing.recv_timeout(Duration::from_millis(100));
+            done.send(8)
+        });
+        assert_eq!(waited(&compiled, 60 * second), (Ok(8), true));
+        at_it.join().unwrap().unwrap();
+        let timeout = Err(mpsc::RecvTimeoutError::Timeout);
+        let (_pending, compiled) = mpsc::channel();
+        assert_eq!(waited(&compiled, Duration::from_millis(1)), (timeout, false));
+        assert_eq!(waited(&compiled, Duration::from_millis(10)), (timeout, true));
+    }
+
+    #[test]
+    fn the_notice_says_what_takes_so_long_and_whether_it_will_again() {
+        let host = Host::new().unwrap();
+        let alone = host.is_compiling("front", 18.13);
+        assert_eq!(
+            alone,
+            "plugin `front`: compiling its 18.1 MB of WebAssembly, which may take a minute; each start compiles it, \
+             because there is no cache"
+        );
+        let cached = host.with_cache(Some(Cache::new("/var/cache/backseat", |_| {})));
+        assert!(
+            cached
+                .is_compiling("front", 18.13)
+                .ends_with("the next start takes it from the cache")
+        );
     }
 }

@@ -11,6 +11,12 @@ pub enum RecorderError {
         /// The reason.
         source: std::io::Error,
     },
+    /// The file is there already.
+    #[error("cannot create log {}: it is there already: give another name, or remove it", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
     /// The log cannot be written, usually because the disk is full. Nothing is recorded after this.
     #[error("cannot write log {log}: {source}")]
     Write {

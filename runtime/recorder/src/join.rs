@@ -35,7 +35,9 @@ pub enum JoinError {
         other: PathBuf,
     },
     /// A part is missing.
-    #[error("part {part} is missing: expected all parts of the log up to the last one")]
+    #[error(
+        "part {part} is missing: expected all parts of the log up to the last one (a log whose first parts were removed, as --log-quota does, cannot be joined)"
+    )]
     Missing {
         /// Its number.
         part: u64,
@@ -71,9 +73,13 @@ pub struct Joined {
 /// [`JoinError`]. Nothing is left of the new file then; a file that exists is not touched.
 pub fn join(parts: &[PathBuf], into: &Path) -> Result<Joined, JoinError> {
     let parts = in_order(parts)?;
-    let create_error = |source| RecorderError::Create {
-        path: into.to_owned(),
-        source,
+    let create_error = |source: std::io::Error| {
+        let path = into.to_owned();
+        if source.kind() == std::io::ErrorKind::AlreadyExists {
+            RecorderError::Exists { path }
+        } else {
+            RecorderError::Create { path, source }
+        }
     };
     let file = File::create_new(into).map_err(create_error)?;
     let joined = write_all(&parts, BufWriter::new(file), &into.display().to_string());

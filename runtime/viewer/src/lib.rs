@@ -8,6 +8,7 @@
 mod door;
 mod feed;
 mod server;
+mod words;
 
 pub use feed::Feed;
-pub use server::{PORT, ViewerError, serve};
+pub use server::{PORT, Port, ViewerError, serve};

@@ -48,16 +48,49 @@ pub enum ViewerError {
     Thread(#[from] io::Error),
 }
 
-/// Serves viewers at this address, which must be a loopback one, until the feed is dropped. `name` is the run's, and
-/// `began_ns` its beginning, UTC in nanoseconds since 1970. Returns where it listens: port 0 chooses one.
+/// A port that is open, so that a wrong one is found before a run begins.
+#[derive(Debug)]
+pub struct Port {
+    listener: std::net::TcpListener,
+    address: SocketAddr,
+}
+
+impl Port {
+    /// Opens a port of this computer. Port 0 is any free one.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewerError::Address`] if the address is no loopback address, [`ViewerError::Listen`].
+    pub fn open(address: SocketAddr) -> Result<Self, ViewerError> {
+        if !address.ip().is_loopback() {
+            return Err(ViewerError::Address(address));
+        }
+        let opened = std::net::TcpListener::bind(address).and_then(|listener| {
+            listener.set_nonblocking(true)?;
+            let address = listener.local_addr()?;
+            Ok(Self { listener, address })
+        });
+        opened.map_err(|error| ViewerError::Listen {
+            address,
+            message: error.to_string(),
+        })
+    }
+
+    /// The address with its port.
+    #[must_use]
+    pub const fn address(&self) -> SocketAddr {
+        self.address
+    }
+}
+
+/// Serves viewers at this port until the feed is dropped. `name` is the run's, and `began_ns` its beginning, UTC in
+/// nanoseconds since 1970.
 ///
 /// # Errors
 ///
-/// [`ViewerError`] if it cannot listen there.
-pub fn serve(address: SocketAddr, name: &str, began_ns: u64) -> Result<(Feed, SocketAddr), ViewerError> {
-    if !address.ip().is_loopback() {
-        return Err(ViewerError::Address(address));
-    }
+/// [`ViewerError`] if it cannot.
+pub fn serve(port: Port, name: &str, began_ns: u64) -> Result<Feed, ViewerError> {
+    let Port { listener, address } = port;
     let (feed, heard) = Feed::new();
     let (tell, told) = sync_channel(1);
     let name = name.to_owned();
@@ -65,39 +98,38 @@ pub fn serve(address: SocketAddr, name: &str, began_ns: u64) -> Result<(Feed, So
     // with a second thread the answer of a quick client comes too early and is refused.
     let runtime = runtime::Builder::new_current_thread().enable_all().build()?;
     thread::Builder::new().name("viewer".to_owned()).spawn(move || {
-        runtime.block_on(served(address, &name, began_ns, &tell, heard));
+        runtime.block_on(served(listener, &name, began_ns, &tell, heard));
     })?;
     let started = told
         .recv()
         .unwrap_or_else(|_| Err("its thread has panicked".to_owned()));
     match started {
-        Ok(port) => Ok((feed, SocketAddr::new(address.ip(), port))),
+        Ok(()) => Ok(feed),
         Err(message) => Err(ViewerError::Listen { address, message }),
     }
 }
 
-/// Serves until the feed is dropped. Whoever asked for it waits for what is told: the port, or why there is none.
+/// Serves until the feed is dropped. Whoever asked for it waits until it is told whether it serves.
 ///
-/// Viewers come through a [`Door`] at this address.
+/// Viewers come through a [`Door`] at this port.
 async fn served(
-    address: SocketAddr,
+    listener: std::net::TcpListener,
     name: &str,
     began_ns: u64,
-    tell: &SyncSender<Result<u16, String>>,
+    tell: &SyncSender<Result<(), String>>,
     heard: Receiver<Told>,
 ) {
     let started = async {
-        let listener = TcpListener::bind(address).await.map_err(|error| error.to_string())?;
-        let port = listener.local_addr().map_err(|error| error.to_string())?.port();
+        let listener = TcpListener::from_std(listener).map_err(|error| error.to_string())?;
         let live = Live::start(name, began_ns).await.map_err(|error| error.to_string())?;
-        Ok((listener, port, live))
+        Ok((listener, live))
     };
     match started.await {
-        Ok((listener, port, live)) => {
+        Ok((listener, live)) => {
             let (place, server) = watch::channel(live.address());
             let (gone, is_gone) = mpsc::channel(1);
             let door = tokio::spawn(Door::new(listener, server, gone).run());
-            let _asked = tell.send(Ok(port));
+            let _asked = tell.send(Ok(()));
             live.run(heard, is_gone, place).await;
             door.abort();
         }

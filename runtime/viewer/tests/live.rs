@@ -7,11 +7,12 @@
     reason = "the lint exempts test functions only, not the functions that they call"
 )]
 
+use std::io::{Read as _, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::time::Duration;
 
 use backseat_units::Timestamp;
-use backseat_viewer::{Feed, ViewerError, serve};
+use backseat_viewer::{Feed, Port, ViewerError, serve};
 use serde_json::{Value, json};
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket, client};
@@ -74,7 +75,9 @@ impl Viewer {
 }
 
 fn served() -> (Feed, SocketAddr) {
-    serve(ANY, "dive", BEGAN_NS).unwrap()
+    let port = Port::open(ANY).unwrap();
+    let address = port.address();
+    (serve(port, "dive", BEGAN_NS).unwrap(), address)
 }
 
 #[test]
@@ -202,14 +205,50 @@ fn viewers_are_bounded_and_the_oldest_makes_room() {
 }
 
 #[test]
+fn a_browser_that_opens_the_address_reads_what_it_is_for() {
+    let (_feed, address) = served();
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    stream
+        .write_all(format!("GET / HTTP/1.1\r\nHost: {address}\r\n\r\n").as_bytes())
+        .unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    assert!(
+        answer.starts_with("HTTP/1.1 426 Upgrade Required\r\n") && answer.contains(&format!("ws://{address}")),
+        "{answer}"
+    );
+}
+
+#[test]
+fn a_viewer_whose_message_is_too_large_is_cut_off_before_it_costs_memory() {
+    let (feed, address) = served();
+    let mut good = Viewer::connected(address);
+    let mut bad = Viewer::connected(address);
+    let stream = bad.socket.get_mut();
+    // A text frame of 60 MB (RFC 6455, section 5.2), whose payload comes until nobody takes it.
+    stream.write_all(&[0x81, 0xff]).unwrap();
+    stream.write_all(&60_000_000u64.to_be_bytes()).unwrap();
+    stream.write_all(&[0; 4]).unwrap();
+    let mut sent = 0;
+    while sent < 60_000_000 && stream.write_all(&[b' '; 64 << 10]).is_ok() {
+        sent += 64 << 10;
+    }
+    assert!(sent < 20_000_000, "{sent} bytes were taken");
+    // Everybody else goes on.
+    feed.tell(Timestamp::from_secs(1), "/control", br#"{"text":"x","granted":true}"#);
+    assert_eq!(good.advertised()[0]["topic"], "/control");
+}
+
+#[test]
 fn it_listens_on_this_computer_alone_and_says_when_a_port_is_taken() {
     let open: SocketAddr = "0.0.0.0:0".parse().unwrap();
-    let refused = serve(open, "dive", 0).unwrap_err();
+    let refused = Port::open(open).unwrap_err();
     assert!(matches!(refused, ViewerError::Address(_)), "{refused}");
     assert!(refused.to_string().contains("ssh -L"), "{refused}");
     let taken = TcpListener::bind(ANY).unwrap();
     let address = taken.local_addr().unwrap();
-    let refused = serve(address, "dive", 0).unwrap_err().to_string();
+    let refused = Port::open(address).unwrap_err().to_string();
     assert!(
         refused.starts_with(&address.to_string()) && refused.contains("give another port"),
         "{refused}"

@@ -13,7 +13,7 @@ use clap::Args;
 
 use crate::log_room::size;
 use crate::output::say;
-use crate::owner::explained;
+use crate::owner::{explained, not_made};
 use crate::run::names_requests;
 use crate::state::State;
 
@@ -158,7 +158,14 @@ pub(crate) fn writable(folder: &Path, room: Room) -> Result<u64> {
     let probe = there.join(format!(".backseat-check-{}", std::process::id()));
     let written = fs::write(&probe, b"write test by backseat check\n");
     let removed = fs::remove_file(&probe);
-    written.and(removed).map_err(|error| explained(&there, error))?;
+    let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+    written.and(removed).map_err(|error| {
+        if there == whole {
+            explained(&there, error)
+        } else {
+            not_made(folder, error)
+        }
+    })?;
     let figures = rustix::fs::statvfs(&there).map_err(|error| explained(&there, error.into()))?;
     let free = figures.f_bavail.saturating_mul(figures.f_frsize);
     anyhow::ensure!(

@@ -1,5 +1,6 @@
 //! The vehicle and the payload controller, and the vehicle's clock by NTP (SPI 2).
 
+use std::io::Read as _;
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs as _, UdpSocket};
 use std::time::Duration;
 
@@ -8,6 +9,8 @@ use crate::clock::Clock;
 
 /// Nothing on a vehicle's network takes longer.
 const WITHIN: Duration = Duration::from_secs(2);
+/// How long something at the vehicle's address may take to say who it is.
+const UNASKED: Duration = Duration::from_millis(500);
 /// Clocks that are further apart close zones with a time window.
 const APART_BAD_S: f64 = 60.0;
 /// Clocks that are further apart than this are worth a look.
@@ -17,7 +20,7 @@ const FROM_1900_S: f64 = 2_208_988_800.0;
 
 /// Whether the vehicle is reached, and how its clock stands to ours.
 pub(super) fn vehicle(address: &str) -> Vec<Finding> {
-    let reached = reach("vehicle", address);
+    let reached = reach_vehicle(address);
     let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
     let clock = match ask_time(&format!("{host}:123")) {
         Some(offset_s) => {
@@ -43,15 +46,46 @@ pub(super) fn vehicle(address: &str) -> Vec<Finding> {
 
 /// Whether somebody listens at an address. The connection is closed at once.
 pub(super) fn reach(what: &str, address: &str) -> Finding {
-    let clock = Clock::start();
-    let tried = resolve(address).and_then(|at| TcpStream::connect_timeout(&at, WITHIN));
-    match tried {
-        Ok(_) => {
-            let millis = clock.elapsed().as_secs_f64() * 1000.0;
-            Finding::new(what, Word::Ok, format!("{address} answers within {millis:.1} ms"))
-        }
+    match connect(address) {
+        Ok((_, millis)) => Finding::new(what, Word::Ok, format!("{address} answers within {millis:.1} ms")),
         Err(error) => Finding::new(what, Word::Bad, format!("{address}: {error}")),
     }
+}
+
+/// Whether a vehicle may be at an address. Nothing is said to it, so it may be silent too; but what comes from it must be
+/// sentences.
+fn reach_vehicle(address: &str) -> Finding {
+    const WHAT: &str = "vehicle";
+    let (mut stream, millis) = match connect(address) {
+        Ok(connected) => connected,
+        Err(error) => return Finding::new(WHAT, Word::Bad, format!("{address}: {error}")),
+    };
+    let mut words = [0; 64];
+    let heard = stream
+        .set_read_timeout(Some(UNASKED))
+        .and_then(|()| stream.read(&mut words));
+    let said = words.get(..heard.unwrap_or(0)).unwrap_or_default().trim_ascii();
+    if said.is_empty() || said.starts_with(b"$") {
+        let whether = if said.is_empty() {
+            ", and says nothing unasked: whether it is a vehicle shows when a run asks it"
+        } else {
+            " with sentences"
+        };
+        let text = format!("{address} answers within {millis:.1} ms{whether}");
+        return Finding::new(WHAT, Word::Ok, text);
+    }
+    let text = format!(
+        "{address} is no vehicle: it says `{}`, expected sentences that begin with `$`; is this the right port?",
+        said.escape_ascii()
+    );
+    Finding::new(WHAT, Word::Bad, text)
+}
+
+/// A connection, and how long it took, milliseconds.
+fn connect(address: &str) -> std::io::Result<(TcpStream, f64)> {
+    let clock = Clock::start();
+    let stream = resolve(address).and_then(|at| TcpStream::connect_timeout(&at, WITHIN))?;
+    Ok((stream, clock.elapsed().as_secs_f64() * 1000.0))
 }
 
 fn resolve(address: &str) -> std::io::Result<SocketAddr> {
@@ -96,6 +130,7 @@ fn offset(answer: &[u8], left_s: f64, back_s: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write as _;
     use std::net::TcpListener;
 
     use super::*;
@@ -122,6 +157,40 @@ mod tests {
         let mut unset = answer(at_s);
         unset[0] |= 0b11_000_000;
         assert_eq!(offset(&unset, at_s, at_s), None);
+    }
+
+    /// What is found at the vehicle's address if this is said there.
+    fn at_address(says: &'static [u8]) -> Finding {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap().to_string();
+        let vehicle = std::thread::spawn(move || {
+            let (mut stream, _) = listener.accept().unwrap();
+            stream.write_all(says).unwrap();
+            // Until it is closed.
+            let _closed = stream.read(&mut [0]);
+        });
+        let finding = reach_vehicle(&address);
+        vehicle.join().unwrap();
+        finding
+    }
+
+    #[test]
+    fn a_program_that_is_no_vehicle_is_told_by_what_it_says() {
+        let other = at_address(b"SSH-2.0-OpenSSH_9.2\r\n");
+        assert!(
+            other.word == Word::Bad && other.text.contains("it says `SSH-2.0-OpenSSH_9.2`"),
+            "{other:?}"
+        );
+        let sentences = at_address(b"\r\n$BFCTL,120000,1*5A\r\n");
+        assert!(
+            sentences.word == Word::Ok && sentences.text.ends_with("with sentences"),
+            "{sentences:?}"
+        );
+        let silent = at_address(b"");
+        assert!(
+            silent.word == Word::Ok && silent.text.contains("says nothing unasked"),
+            "{silent:?}"
+        );
     }
 
     #[test]

@@ -108,7 +108,9 @@ impl Summary {
         }
         say!(
             "  {}",
-            if log.complete {
+            if log.complete && run.part > 1 {
+                "this part is complete"
+            } else if log.complete {
                 "the log is complete"
             } else {
                 "cut short: the log does not end properly, and its last records may be missing"

@@ -44,6 +44,10 @@ struct Report {
     missing: u64,
     /// How long the runtime had control, seconds.
     control_s: f64,
+    /// Why it lost control, in the order in which that happened first.
+    control_lost: Vec<Lost>,
+    /// Since when it had no control at the end; 0 if it never had. `None` if it had control until the end.
+    without_control_from_s: Option<f64>,
     /// What was asked for, by owner.
     asked: BTreeMap<String, Asked>,
     /// What was refused, the most frequent first.
@@ -58,6 +62,13 @@ struct Report {
     troubles: Vec<Happened>,
     /// How many more there were than `troubles` lists.
     troubles_left_out: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Lost {
+    reason: String,
+    times: u64,
+    first_s: f64,
 }
 
 /// How the requests of an owner ended.
@@ -155,6 +166,7 @@ impl Report {
             began: Rfc3339(log.run.utc_at_start).to_string(),
             seconds: log.entries.last().map_or(0.0, |entry| entry.now.as_secs_f64()),
             complete: log.complete,
+            without_control_from_s: Some(0.0),
             ..Self::default()
         };
         let mut collect = Collect {
@@ -187,16 +199,18 @@ impl Report {
             ),
             format!("  the runtime had control for {:.1} min", self.control_s / 60.0),
         ];
+        lines.extend(self.control_words().map(|words| format!("  {words}")));
         if !self.complete {
             lines.push("  the log is cut short: its last records may be missing".to_owned());
         }
         if self.missing > 0 {
             lines.push(format!("  {} records are missing: the disk was too slow", self.missing));
         }
-        lines.push("asked for".to_owned());
-        for (owner, asked) in &self.asked {
-            lines.push(format!("  {owner}: {}", asked.line()));
-        }
+        let asked = self
+            .asked
+            .iter()
+            .map(|(owner, asked)| format!("{owner}: {}", asked.line()));
+        section(&mut lines, "asked for", asked);
         section(&mut lines, "refused", self.refused.iter().map(Refused::line));
         section(&mut lines, "inserts flown", self.flown.iter().map(Flown::line));
         section(&mut lines, "leases that ended", self.leases.iter().map(Lease::line));
@@ -204,6 +218,15 @@ impl Report {
         section(&mut lines, "troubles", self.troubles.iter().map(Happened::line));
         lines.extend(self.left_out().map(|line| format!("  {line}")));
         lines
+    }
+
+    /// Why control was lost, and whether it came again.
+    fn control_words(&self) -> impl Iterator<Item = String> {
+        let end = self.without_control_from_s.map(|from_s| match from_s {
+            0.0 => "no control at any time: `run` says why on standard error".to_owned(),
+            _ => format!("no control from {from_s:.1} s to the end"),
+        });
+        self.control_lost.iter().map(Lost::line).chain(end)
     }
 
     /// How many troubles are not listed, and where they are.
@@ -221,6 +244,13 @@ fn section(lines: &mut Vec<String>, title: &str, rows: impl Iterator<Item = Stri
     }
     lines.push(title.to_owned());
     lines.extend(rows.map(|row| format!("  {row}")));
+}
+
+impl Lost {
+    fn line(&self) -> String {
+        let Self { reason, times, first_s } = self;
+        format!("control lost {times} x: {reason} (first at {first_s:.1} s)")
+    }
 }
 
 impl Asked {
@@ -326,8 +356,10 @@ impl Collect<'_> {
             Record::Control(control) => {
                 if control["granted"] == true {
                     self.granted.get_or_insert(at_s);
+                    self.report.without_control_from_s = None;
                 } else if let Some(since_s) = self.granted.take() {
                     self.report.control_s += at_s - since_s;
+                    self.lost(at_s, text(control, "reason"));
                 }
             }
             Record::Note(note) => self.note(at_s, note),
@@ -346,6 +378,19 @@ impl Collect<'_> {
             | Record::Navigation(_)
             | Record::Truth(_)
             | Record::Vehicle(_) => {}
+        }
+    }
+
+    /// The log has why control was lost, and not why it does not come again.
+    fn lost(&mut self, at_s: f64, reason: String) {
+        self.report.without_control_from_s = Some(at_s);
+        match self.report.control_lost.iter_mut().find(|lost| lost.reason == reason) {
+            Some(lost) => lost.times += 1,
+            None => self.report.control_lost.push(Lost {
+                reason,
+                times: 1,
+                first_s: at_s,
+            }),
         }
     }
 

@@ -324,7 +324,7 @@ impl Driver {
             }
             Kept::NotHeld(error) => {
                 error!(
-                    "the operator's hold or release counts for this run only, because it could not be saved: {error:#}"
+                    "the operator's hold or release counts for this run only, unless it can be saved later: {error:#}"
                 );
             }
             Kept::Act(act) => {
@@ -333,8 +333,8 @@ impl Driver {
             }
             Kept::Blind(why) => {
                 error!(
-                    "the hold's file cannot be seen, so nobody can hold with it, and this is a hold: {why}; when it can \
-                     be seen again, release with SIGUSR2 or by deleting it"
+                    "the hold's file cannot be seen, so nobody can hold with it, and this is a hold: {why}; when the folder \
+                     is there again, release with SIGUSR2 or by deleting the file `hold` in it"
                 );
                 self.note_asked(&format!("hold, because the hold's file cannot be seen: {why}"));
                 self.operator(Operator::Hold);

@@ -120,8 +120,7 @@ export class Operator {
       this.fill();
       this.say("Wrong token. Nothing was done.", "bad");
       byId("operator-token").focus();
-    } else if (answer.status === 429) this.say("Too many tries. Wait a while, then try again.", "bad");
-    else this.say(`Nothing was done: ${await reason(answer)}`, "bad");
+    } else this.say(`Nothing was done: ${await reason(answer)}`, "bad");
   }
 
   /** Done only when the runtime itself says so in the feed. */

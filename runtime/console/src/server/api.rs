@@ -5,25 +5,26 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::body::{Body, Bytes};
-use axum::extract::State;
 use axum::extract::rejection::JsonRejection;
+use axum::extract::{FromRequest as _, State};
+use axum::http::StatusCode;
 use axum::http::header::{AUTHORIZATION, CONTENT_TYPE};
-use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse as _, Response};
 use futures_util::stream;
 use serde::Deserialize;
 use serde_json::json;
-use tokio::time::sleep;
+use tokio::time::{Instant, sleep};
 use tracing::warn;
 
 use super::Shared;
+use super::guard::{has_token, is_basic};
 use crate::item::Item;
-use crate::operator::{Act, Asked};
+use crate::operator::{Act, Asked, NotAsked};
 
 /// After a wrong token the answer waits for this. The right one never waits: there are too many to guess it.
 pub(super) const SLOWED: Duration = Duration::from_secs(1);
-/// After so many wrong tokens, people are told.
-const TOLD_EVERY: u32 = 5;
+/// After so many wrong tokens people are told, and again each time that they are twice as many.
+const TOLD_AT: u32 = 5;
 /// Items in one piece of the history.
 const PIECE: usize = 512;
 /// A name that is longer is no name.
@@ -74,24 +75,22 @@ pub(super) struct Request {
     who: String,
 }
 
-pub(super) async fn operator(
-    State(shared): State<Arc<Shared>>,
-    headers: HeaderMap,
-    request: Result<Json<Request>, JsonRejection>,
-) -> Response {
-    let Some(token) = shared.token.as_ref().filter(|_| shared.live) else {
+pub(super) async fn operator(State(shared): State<Arc<Shared>>, request: axum::extract::Request) -> Response {
+    if shared.token.is_none() || !shared.live {
         return refused(
             StatusCode::CONFLICT,
             "this console only shows: nothing can be held or released here",
         );
-    };
-    let given = headers
-        .get(AUTHORIZATION)
-        .and_then(|value| value.to_str().ok())
-        .and_then(|value| value.split_once(' '))
-        .filter(|(scheme, _)| scheme.eq_ignore_ascii_case("bearer"))
-        .map_or("", |(_, given)| given);
-    if !token.is(given) {
+    }
+    // The body of whoever has no token is not waited for.
+    let headers = request.headers();
+    if !headers.contains_key(AUTHORIZATION) {
+        return refused(
+            StatusCode::UNAUTHORIZED,
+            "no token: give it as `Authorization: Bearer TOKEN`; the file console.token of the state folder has it",
+        );
+    }
+    if is_basic(headers) || !has_token(&shared, headers) {
         shared.tried_wrong();
         sleep(SLOWED).await;
         return refused(
@@ -99,9 +98,12 @@ pub(super) async fn operator(
             "wrong token: the file console.token of the state folder has it",
         );
     }
-    let Json(request) = match request {
-        Ok(request) => request,
-        Err(error) => return refused(StatusCode::BAD_REQUEST, &error.body_text()),
+    let request = match Json::<Request>::from_request(request, &()).await {
+        Ok(Json(request)) => request,
+        Err(error) => {
+            let expected = "expected {\"act\": \"hold\", \"who\": \"NAME\"}, or \"release\"";
+            return refused(StatusCode::BAD_REQUEST, &format!("{expected}: {}", error.body_text()));
+        }
     };
     let who = request.who.trim().to_owned();
     if who.is_empty() || who.chars().count() > NAME_MAX || who.chars().any(char::is_control) {
@@ -111,10 +113,16 @@ pub(super) async fn operator(
         Wish::Hold => Act::Hold,
         Wish::Release => Act::Release,
     };
-    if shared.desk.ask(Asked { act, who }) {
-        (StatusCode::ACCEPTED, Json(json!({}))).into_response()
-    } else {
-        refused(StatusCode::CONFLICT, "the run has ended")
+    match shared.desk.ask(Asked { act, who }, Instant::now()) {
+        Ok(()) => (StatusCode::ACCEPTED, Json(json!({}))).into_response(),
+        Err(refusal) => {
+            let status = match refusal {
+                NotAsked::Soon => StatusCode::TOO_MANY_REQUESTS,
+                NotAsked::Full => StatusCode::SERVICE_UNAVAILABLE,
+                NotAsked::Ended => StatusCode::CONFLICT,
+            };
+            refused(status, &refusal.to_string())
+        }
     }
 }
 
@@ -151,7 +159,7 @@ impl Shared {
     /// Says from time to time that somebody gives wrong tokens.
     pub(super) fn tried_wrong(&self) {
         let wrong = self.wrong.fetch_add(1, Ordering::Relaxed) + 1;
-        if wrong.is_multiple_of(TOLD_EVERY) {
+        if wrong.is_multiple_of(TOLD_AT) && (wrong / TOLD_AT).is_power_of_two() {
             warn!("console: {wrong} wrong tokens so far");
             self.hub.say("warn", "console", &format!("{wrong} wrong tokens so far"));
         }

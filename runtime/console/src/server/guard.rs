@@ -1,5 +1,4 @@
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use axum::extract::{Request, State};
@@ -12,7 +11,8 @@ use base64::engine::general_purpose::STANDARD;
 use tokio::time::{sleep, timeout};
 
 use super::api::SLOWED;
-use super::{BODY_MAX, Busy, Shared};
+use super::conversation::Trust;
+use super::{BODY_MAX, Shared};
 
 /// A request has its answer within this.
 const ANSWER_WITHIN: Duration = Duration::from_secs(5);
@@ -36,13 +36,8 @@ const POLICY: [&str; 2] = [
 /// needs the token.
 pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
     let whose = request.uri().authority().map(ToString::to_string);
-    let busy = request.extensions().get::<Busy>().cloned();
-    let is = |answering: bool| {
-        if let Some(Busy(busy)) = &busy {
-            busy.store(answering, Ordering::Relaxed);
-        }
-    };
-    is(true);
+    let trust = request.extensions().get::<Trust>().cloned().unwrap_or_default();
+    trust.set(has_token(&shared, request.headers()));
     let socket = socket(request.headers(), shared.is_open);
     let mut response = if is_too_large(request.headers()) {
         (StatusCode::PAYLOAD_TOO_LARGE, "too large\n").into_response()
@@ -63,7 +58,7 @@ pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, n
         )
             .into_response()
     };
-    is(false);
+    trust.set(false);
     if let Ok(policy) = HeaderValue::from_str(&[POLICY[0], &socket, POLICY[1]].concat()) {
         response
             .headers_mut()
@@ -77,26 +72,46 @@ pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, n
     response
 }
 
-/// Whether whoever asks gives the token, as the password of basic authentication or as a bearer token; if not, the answer.
-async fn known(shared: &Shared, headers: &HeaderMap) -> Result<(), Response> {
-    let given = headers.get(AUTHORIZATION).and_then(|value| value.to_str().ok());
-    let (scheme, secret) = given.and_then(|given| given.split_once(' ')).unwrap_or_default();
-    let basic = scheme.eq_ignore_ascii_case("basic");
-    let password = if basic {
+/// What is given as a token: the password of basic authentication, or a bearer token.
+fn given(headers: &HeaderMap) -> Option<String> {
+    let given = headers.get(AUTHORIZATION)?.to_str().unwrap_or_default();
+    let (scheme, secret) = given.split_once(' ').unwrap_or_default();
+    let given = if is_basic(headers) {
         STANDARD
             .decode(secret.trim())
             .ok()
             .and_then(|pair| String::from_utf8(pair).ok())
             .and_then(|pair| pair.split_once(':').map(|(_, password)| password.to_owned()))
             .unwrap_or_default()
-    } else {
+    } else if scheme.eq_ignore_ascii_case("bearer") {
         secret.to_owned()
+    } else {
+        String::new()
     };
-    if shared.token.as_ref().is_some_and(|token| token.is(&password)) {
+    Some(given)
+}
+
+/// Whether it is the name and password that a browser has asked for, which it then gives with each request.
+pub(super) fn is_basic(headers: &HeaderMap) -> bool {
+    let given = headers.get(AUTHORIZATION).and_then(|value| value.to_str().ok());
+    let scheme = given.and_then(|given| given.split_once(' ')).map(|(scheme, _)| scheme);
+    scheme.is_some_and(|scheme| scheme.eq_ignore_ascii_case("basic"))
+}
+
+/// Whether the right token is given.
+pub(super) fn has_token(shared: &Shared, headers: &HeaderMap) -> bool {
+    let right = |given: &String| shared.token.as_ref().is_some_and(|token| token.is(given));
+    given(headers).as_ref().is_some_and(right)
+}
+
+/// Whether whoever asks gives the token; if not, the answer.
+async fn known(shared: &Shared, headers: &HeaderMap) -> Result<(), Response> {
+    if has_token(shared, headers) {
         return Ok(());
     }
     // A browser asks first without one.
-    if given.is_some() {
+    let is_given = headers.contains_key(AUTHORIZATION);
+    if is_given {
         shared.tried_wrong();
         sleep(SLOWED).await;
     }
@@ -106,7 +121,7 @@ async fn known(shared: &Shared, headers: &HeaderMap) -> Result<(), Response> {
     )
         .into_response();
     // The page asks for a token by itself.
-    if given.is_none() || basic {
+    if !is_given || is_basic(headers) {
         let challenge = HeaderValue::from_static("Basic realm=\"console: any name, and the token as the password\"");
         refusal.headers_mut().insert(WWW_AUTHENTICATE, challenge);
     }

@@ -27,7 +27,14 @@ impl Tls {
     /// [`ServerError::Tls`] if a file cannot be read, if others can read the key, or if the two do not belong together.
     pub fn read(certificate: &Path, key: &Path) -> Result<Self, ServerError> {
         let (certificate_pem, _) = read(certificate)?;
+        let chain: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(&certificate_pem).collect();
+        let chain = chain.map_err(|error| wrong(certificate, format!("no certificate in PEM: {error}")))?;
+        if chain.is_empty() {
+            return Err(wrong(certificate, "no certificate in PEM: is this the key?".to_owned()));
+        }
         let (key_pem, mode) = read(key)?;
+        let private = PrivateKeyDer::from_pem_slice(&key_pem)
+            .map_err(|error| wrong(key, format!("no private key in PEM: {error}")))?;
         if mode & 0o077 != 0 {
             let mode = mode & 0o777;
             return Err(wrong(
@@ -35,13 +42,6 @@ impl Tls {
                 format!("mode {mode:03o} lets others read the key: chmod 600"),
             ));
         }
-        let chain: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(&certificate_pem).collect();
-        let chain = chain.map_err(|error| wrong(certificate, format!("no certificate in PEM: {error}")))?;
-        if chain.is_empty() {
-            return Err(wrong(certificate, "no certificate in PEM".to_owned()));
-        }
-        let private = PrivateKeyDer::from_pem_slice(&key_pem)
-            .map_err(|error| wrong(key, format!("no private key in PEM: {error}")))?;
         let config = ServerConfig::builder_with_provider(Arc::new(default_provider()))
             .with_safe_default_protocol_versions()
             .and_then(|builder| builder.with_no_client_auth().with_single_cert(chain, private))

@@ -199,16 +199,31 @@ fn only_who_has_the_token_holds_and_wrong_ones_are_slowed_and_told() {
         (r#"{"act":"hold","who":""}"#, 400),
         (r#"{"act":"hold","who":"a\nb"}"#, 400),
         (r#"{"act":"abort","who":"Ann"}"#, 400),
+        ("[]", 400),
         ("not JSON", 400),
     ] {
-        assert_eq!(status(&console.post(&console.token, body, "")), code, "{body}");
+        let answer = console.post(&console.token, body, "");
+        assert_eq!(status(&answer), code, "{body}");
+        assert!(
+            answer.contains("expected {") || answer.contains("who: expected"),
+            "{answer}"
+        );
     }
+    // Whoever gives no token learns how, at once, and has not guessed.
+    let began = Instant::now();
+    let without = console.raw(&format!(
+        "POST /api/operator HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{HOLD}",
+        console.address,
+        HOLD.len()
+    ));
+    assert_eq!(status(&without), 401);
+    assert!(without.contains("Authorization: Bearer TOKEN") && began.elapsed() < Duration::from_millis(900));
     let began = Instant::now();
     let wrong = "0".repeat(32);
     assert_eq!(status(&console.post(&wrong, HOLD, "")), 401);
     assert!(began.elapsed() > Duration::from_millis(900), "the answer is slowed");
-    for _ in 0..4 {
-        assert_eq!(status(&console.post("", HOLD, "")), 401);
+    for token in ["0", &console.token[1..], &format!("{}0", console.token), ""] {
+        assert_eq!(status(&console.post(token, HOLD, "")), 401);
     }
     assert!(
         console.get("/api/history").contains("5 wrong tokens so far"),
@@ -300,6 +315,82 @@ fn large_bodies_long_heads_and_sockets_that_say_nothing_cost_little() {
         over.store(true, std::sync::atomic::Ordering::Relaxed);
         assert!(answered >= 12, "{answered} of 20 were answered");
     });
+}
+
+/// Holds five times while others ask for what never ends: requests whose body does not come, and wrong tokens, whose answer
+/// is slowed. There are more of them than connections, and each that is closed is renewed.
+#[test]
+fn sr_015_nobody_without_the_token_keeps_out_who_has_it() {
+    let mut console = console();
+    let never_ends = |authorization: &str, length: usize| {
+        format!(
+            "POST /api/operator HTTP/1.1\r\nHost: {}\r\nContent-Type: application/json\r\n{authorization}Content-Length: \
+             {length}\r\n\r\n{{",
+            console.address
+        )
+    };
+    let asks = [
+        never_ends("", 50),
+        never_ends("Authorization: Bearer 0123\r\n", 50),
+        never_ends("Authorization: Bearer 0123\r\n", 1).replace("/api/operator", "/api/pace"),
+    ];
+    let over = std::sync::atomic::AtomicBool::new(false);
+    let answers = std::thread::scope(|scope| {
+        for ask in &asks {
+            let (over, address) = (&over, console.address);
+            scope.spawn(move || {
+                let mut open = std::collections::VecDeque::new();
+                while !over.load(std::sync::atomic::Ordering::Relaxed) {
+                    let asked = TcpStream::connect(address)
+                        .and_then(|mut stream| stream.write_all(ask.as_bytes()).map(|()| stream));
+                    open.extend(asked);
+                    if open.len() > 130 {
+                        open.pop_front();
+                    }
+                    std::thread::sleep(Duration::from_millis(2));
+                }
+            });
+        }
+        std::thread::sleep(Duration::from_millis(600));
+        let answers: Vec<_> = (0..5)
+            .map(|_| {
+                let began = Instant::now();
+                let answer = console.post(&console.token, HOLD, "");
+                (
+                    answer.split("\r\n").next().unwrap_or_default().to_owned(),
+                    began.elapsed(),
+                )
+            })
+            .collect();
+        over.store(true, std::sync::atomic::Ordering::Relaxed);
+        answers
+    });
+    for (answer, took) in &answers {
+        assert!(
+            answer.contains(" 202 ") && *took < Duration::from_secs(2),
+            "{answers:?}"
+        );
+    }
+    assert!((0..5).all(|_| console.asked.try_recv().is_ok()));
+}
+
+#[test]
+fn a_hold_is_never_too_soon_and_a_second_release_is() {
+    let mut console = console();
+    const RELEASE: &str = r#"{"act":"release","who":"Ann"}"#;
+    let told: Vec<u16> = [RELEASE, HOLD, RELEASE, HOLD]
+        .iter()
+        .map(|body| status(&console.post(&console.token, body, "")))
+        .collect();
+    assert_eq!(told, [202, 202, 429, 202]);
+    let acts: Vec<Act> = std::iter::from_fn(|| console.asked.try_recv().ok())
+        .map(|asked| asked.act)
+        .collect();
+    assert_eq!(acts, [Act::Release, Act::Hold, Act::Hold]);
+    // More than wait for the run are told so: it has not ended.
+    let answers: Vec<String> = (0..20).map(|_| console.post(&console.token, HOLD, "")).collect();
+    let full = answers.iter().find(|answer| status(answer) != 202).unwrap();
+    assert!(status(full) == 503 && full.contains("16 acts wait"), "{full}");
 }
 
 #[test]
@@ -580,11 +671,13 @@ fn a_certificate_or_key_that_cannot_be_used_is_told() {
     assert!(refused("none.pem", "key.pem").contains("none.pem: "));
     std::fs::write(at("empty.pem"), "").unwrap();
     assert!(refused("empty.pem", "key.pem").contains("empty.pem: no certificate in PEM"));
-    assert!(refused("cert.pem", "cert.pem").contains("cert.pem: mode 644 lets others read the key: chmod 600"));
-    std::fs::set_permissions(at("cert.pem"), PermissionsExt::from_mode(0o600)).unwrap();
     assert!(refused("cert.pem", "cert.pem").contains("cert.pem: no private key in PEM"));
+    // The two in each other's place.
+    assert!(refused("key.pem", "cert.pem").contains("key.pem: no certificate in PEM: is this the key?"));
     let other = rcgen::generate_simple_self_signed(["other.example".to_owned()]).unwrap();
     std::fs::write(at("other.pem"), other.signing_key.serialize_pem()).unwrap();
+    std::fs::set_permissions(at("other.pem"), PermissionsExt::from_mode(0o644)).unwrap();
+    assert!(refused("cert.pem", "other.pem").contains("other.pem: mode 644 lets others read the key: chmod 600"));
     std::fs::set_permissions(at("other.pem"), PermissionsExt::from_mode(0o600)).unwrap();
     let text = refused("cert.pem", "other.pem");
     assert!(

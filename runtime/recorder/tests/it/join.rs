@@ -73,7 +73,7 @@ fn the_parts_of_a_log_are_one_log_again() {
     assert_eq!(records(&log), records(&whole));
     let refused = join(&parts, &joined_path).unwrap_err().to_string();
     assert!(
-        refused.contains("cannot create log") && refused.contains("exists"),
+        refused.contains("cannot create log") && refused.contains("is there already"),
         "{refused}"
     );
     assert_eq!(read(&joined_path).unwrap(), log, "a file that exists is not touched");

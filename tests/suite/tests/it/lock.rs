@@ -147,6 +147,49 @@ fn a_locked_mission_runs_only_as_it_was_signed() {
     process.says("locked: signed by Ann", SOON);
 }
 
+fn check(mission: &Mission) -> Backseat {
+    Backseat::new()
+        .args(["check", "--log"])
+        .arg(mission.beside("logs"))
+        .arg("--state")
+        .arg(mission.beside("state"))
+        .mission(mission)
+}
+
+#[test]
+fn a_check_tells_that_a_mission_is_not_as_it_was_signed() {
+    let mission = mission();
+    assert!(!check(&mission).run().stdout.contains("mission.lock"));
+    key(&mission, "ann");
+    let _signed = sign(&mission, "ann.key").exit(0);
+    let same = check(&mission).run().exit(0);
+    assert!(
+        same.stdout
+            .contains("mission.lock: nothing differs from what Ann signed"),
+        "{same}"
+    );
+    let mission = mission.edit("fence.geojson", "\"margin_m\": ", "\"margin_m\": 1");
+    let changed = check(&mission).run();
+    assert!(
+        changed.stdout.contains("warning: mission.lock: the fence differs") && changed.stdout.contains("sign anew"),
+        "{changed}"
+    );
+    fs::write(mission.path().join("mission.lock"), "x").expect("there is room");
+    let damaged = check(&mission).run();
+    assert!(damaged.stdout.contains("is no lock, or is damaged"), "{damaged}");
+}
+
+#[test]
+fn a_key_of_the_other_kind_is_told_as_such() {
+    let mission = mission();
+    key(&mission, "ann");
+    let refused = sign(&mission, "ann.pub").exit(2);
+    assert!(
+        refused.stderr.contains("ann.pub: is no secret key") && !refused.stderr.contains("chmod"),
+        "{refused}"
+    );
+}
+
 #[test]
 fn a_mission_that_is_not_ready_is_not_signed() {
     let mission = mission().edit("mission.toml", "grants = [\"modify\", \"message\"]", "grants = []");

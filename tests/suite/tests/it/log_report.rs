@@ -69,6 +69,15 @@ fn a_run_is_summed_up_by_owner_and_rule() {
         (control_s - theirs_s).abs() < 2.0 * windows.len() as f64,
         "{control_s} is not {theirs_s}"
     );
+    // Each window but one that lasts until the end has an end with its reason.
+    let lost = report["control_lost"].as_array().unwrap();
+    let losses: u64 = lost.iter().map(|lost| lost["times"].as_u64().unwrap()).sum();
+    let until_end = u64::from(report["without_control_from_s"].is_null());
+    assert_eq!(losses + until_end, windows.len() as u64, "{report}");
+    assert!(
+        lost.iter().all(|lost| !lost["reason"].as_str().unwrap().is_empty()),
+        "{report}"
+    );
     // Nobody operated it: that a simulation stops its runtime at the end is no act of an operator.
     assert_eq!(report["operator"].as_array().unwrap().len(), 0, "{report}");
 }
@@ -86,10 +95,12 @@ fn the_page_is_one_file_that_loads_nothing_and_runs_nothing() {
         .run()
         .exit(0);
     assert!(told.stdout.contains("asked for\n"), "{told}");
+    assert!(told.stdout.contains("  control lost 1 x: "), "{told}");
+    assert!(told.stdout.contains(" s to the end\n"), "{told}");
     assert!(told.stdout.contains("refused\n"), "{told}");
     let html = std::fs::read_to_string(page).unwrap();
     assert!(html.starts_with("<!DOCTYPE html>"), "{html}");
-    assert!(html.contains("wild"), "{html}");
+    assert!(html.contains("wild") && html.contains("control lost 1 x: "), "{html}");
     for loads in ["<script", "src=", "href=", "url(", "@import"] {
         assert!(!html.contains(loads), "{loads} is in the page");
     }

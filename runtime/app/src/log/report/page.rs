@@ -31,6 +31,10 @@ pub(super) fn page(report: &Report) -> String {
                     (format!("{:.1} min", report.seconds / 60.0)) " from " (report.began) ", the runtime had control for "
                     (format!("{:.1} min", report.control_s / 60.0)) "."
                     br;
+                    @for words in report.control_words() {
+                        (words) "."
+                        br;
+                    }
                     span.soft { (report.log) ", backseat " (report.version) }
                 }
                 @if !report.complete { p.bad { "The log is cut short: its last records may be missing." } }

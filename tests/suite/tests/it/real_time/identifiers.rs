@@ -106,6 +106,35 @@ fn an_orderly_end_records_what_was_used_and_no_more() {
 }
 
 #[test]
+fn a_start_that_fails_begins_no_record() {
+    let mission = inserting();
+    let (taken, nobody) = (std::net::TcpListener::bind("127.0.0.1:0").unwrap(), free_address());
+    let foxglove = format!("--foxglove={}", taken.local_addr().unwrap());
+    let console = format!("--console={}", taken.local_addr().unwrap());
+    std::fs::write(mission.beside("no-folder"), "").unwrap();
+    for (option, logs, culprit) in [
+        (foxglove.as_str(), "logs", "--foxglove"),
+        ("--foxglove=192.0.2.1:8765", "logs", "--foxglove"),
+        (console.as_str(), "logs", "--console"),
+        ("--arm", "no-folder", "no-folder"),
+    ] {
+        let run = Backseat::new()
+            .args(["run", option, "--first-identifier", "1", "--connect", &nobody, "--log"])
+            .arg(mission.beside(logs))
+            .arg("--state")
+            .arg(mission.beside("state"))
+            .mission(&mission)
+            .run();
+        assert!(run.refusal().contains(culprit), "{option}");
+        assert!(!mission.beside("state/identifiers").exists(), "{option} {logs}");
+    }
+    // What was wrong is mended, and the same words begin.
+    let runtime = runtime(&mission, &nobody, &["--first-identifier", "1"]);
+    runtime.says("next attempt in", SOON);
+    assert!(recorded(&mission) >= 1);
+}
+
+#[test]
 fn two_runtimes_do_not_share_a_record() {
     let mission = inserting();
     let address = free_address();

@@ -92,7 +92,6 @@ pub(crate) fn doctor(arguments: &Doctor) -> Result<bool> {
         Ok(folder) => {
             findings.push(room("room for state", &folder, STATE_ROOM));
             findings.push(private(&folder));
-            findings.extend(record(&folder, &mission));
         }
         Err(error) => findings.push(Finding::new("state", Word::Bad, format!("{error:#}"))),
     }
@@ -203,16 +202,6 @@ fn private(folder: &Path) -> Finding {
         return Finding::new("state", Word::Bad, format!("{error:#}"));
     }
     Finding::new("state", Word::Ok, format!("{} is ours", folder.display()))
-}
-
-/// The record of identifiers, if a run could not read it, or the folder is another vehicle's.
-fn record(folder: &Path, mission: &Mission) -> Option<Finding> {
-    if !folder.is_dir() {
-        return None;
-    }
-    let opened = State::open(folder, mission.file.vehicle.name.as_deref());
-    let error = opened.and_then(|state| state.identifiers(None)).err()?;
-    Some(Finding::new("state", Word::Bad, format!("{error:#}")))
 }
 
 fn plugins(mission: &Mission, folder: Option<&Path>) -> Vec<Finding> {

@@ -17,7 +17,7 @@ use serde_json::json;
 use crate::arguments::MissionArguments;
 use crate::check::machine::{Room, RoomForLogs, STATE_ROOM, in_words, writable};
 use crate::lock::{program_sha256, read_components};
-use crate::output::say;
+use crate::output::{kib, say};
 use crate::owner::explained;
 use crate::run::host_and_port;
 use crate::state::State;
@@ -209,7 +209,7 @@ fn plugins(mission: &Mission, folder: Option<&Path>) -> Vec<Finding> {
         Ok(components) => components
             .iter()
             .map(|(name, bytes)| {
-                let text = format!("{} KiB, SHA-256 {}", bytes.len() >> 10, sha256(bytes));
+                let text = format!("{} KiB, SHA-256 {}", kib(bytes.len()), sha256(bytes));
                 Finding::new(format!("plugin {name}"), Word::Ok, text)
             })
             .collect(),

@@ -200,7 +200,19 @@ pub(crate) fn load(
     class: Option<VehicleClass>,
 ) -> Result<FrontSeatPlan, MissionError> {
     check_tolerance(folder, table)?;
-    of_text(folder, table, class, read_own(&folder.join(&table.file))?)
+    let path = folder.join(&table.file);
+    let text = read_own(&path).map_err(|error| match error {
+        MissionError::Read { source, .. } => value(
+            &folder.join("mission.toml"),
+            format!(
+                "plan.file is {:?}: cannot read {}: {source}",
+                table.file,
+                path.display()
+            ),
+        ),
+        other => other,
+    })?;
+    of_text(folder, table, class, text)
 }
 
 fn check_tolerance(folder: &Path, table: &PlanTable) -> Result<(), MissionError> {

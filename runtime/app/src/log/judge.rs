@@ -77,6 +77,7 @@ fn print(path: &Path, verdict: &Verdict, all: bool) -> Result<()> {
             .map_or_else(|| "   ".to_owned(), |requirement| format!("{requirement:03}"));
         let fared = match (rule.unjudged, rule.broken) {
             (Some(why), _) => format!("not judged: {why}"),
+            (None, 0) if rule.judged == 1 => "held in the one case".to_owned(),
             (None, 0) => format!("held in all {} cases", rule.judged),
             (None, broken) => format!("BROKEN in {broken} of {} cases", rule.judged),
         };

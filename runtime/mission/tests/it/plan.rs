@@ -44,6 +44,18 @@ fn a_plan_that_cannot_be_read_is_named_with_its_place() {
     assert!(unknown.contains("world.toml:9: unknown field `wher`"), "{unknown}");
     let garbage = fault("", "world.toml", "nonsense");
     assert!(garbage.contains("world.toml:1: "), "{garbage}");
+    let missing = load("[plan]\nfile = \"dive.toml\"\n", &[])
+        .err()
+        .expect("a fault")
+        .to_string();
+    assert!(
+        missing.contains("mission.toml: plan.file is \"dive.toml\": cannot read "),
+        "{missing}"
+    );
+    assert!(
+        missing.ends_with("dive.toml: No such file or directory (os error 2)"),
+        "{missing}"
+    );
     // A world's origin is for simulation only, so a plan needs its own.
     let error = load(
         "[plan]\nfile = \"plan.toml\"\n",

@@ -217,7 +217,7 @@ fn a_clean_log_held_and_says_what_could_not_be_judged() {
     assert_eq!(finished.stderr, "");
     for (rule, fared) in [
         ("no-control", "held in all 599 cases"),
-        ("end-missing", "held in all 1 cases"),
+        ("end-missing", "held in the one case"),
         ("cancel-foreign", "not judged: no case of it occurred"),
         ("truth-fence", "not judged: no true position is recorded"),
         (

@@ -58,7 +58,7 @@ impl ZoneBreach {
             Rule::Surfacing => format!("outside keep-in zone '{name}', which allows surfacing"),
             Rule::DepthMin => format!("shallower than keep-in zone '{name}' allows"),
             Rule::DepthMax => format!("deeper than keep-in zone '{name}' allows"),
-            Rule::AltitudeMin => format!("below the altitude of keep-in zone '{name}'"),
+            Rule::AltitudeMin => format!("too deep for the altitude of keep-in zone '{name}'"),
             Rule::KeepOut => format!("inside keep-out zone '{name}'"),
             Rule::KeepIn => format!("outside keep-in zone '{name}'"),
         }
@@ -90,7 +90,10 @@ impl fmt::Display for ZoneBreach {
             Rule::DepthMin => return write!(f, "{metres} shallower than the {bound_m} m of keep-in zone '{name}'"),
             Rule::DepthMax => return write!(f, "{metres} deeper than the {bound_m} m of keep-in zone '{name}'"),
             Rule::AltitudeMin => {
-                return write!(f, "{metres} below the altitude of {bound_m} m of keep-in zone '{name}'");
+                return write!(
+                    f,
+                    "{metres} too deep for the altitude of {bound_m} m of keep-in zone '{name}'"
+                );
             }
             Rule::KeepOut => write!(f, "inside keep-out zone '{name}'")?,
             Rule::Surfacing => write!(f, "outside keep-in zone '{name}', the nearest that allows surfacing,")?,

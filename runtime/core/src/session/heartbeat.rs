@@ -10,7 +10,7 @@ mod logs;
 use std::collections::{BTreeSet, VecDeque};
 use std::time::Duration;
 
-use backseat_spi::{Acknowledgement, CommandName};
+use backseat_spi::{AckStatus, Acknowledgement, CommandName};
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::session::heartbeat::logs::Logs;
@@ -97,12 +97,12 @@ pub(crate) struct Heartbeat {
     /// The newest round trip on this connection, however long.
     newest: Option<Trip>,
     carrier: Carrier,
-    /// How many BPSTS were sent on this connection since the vehicle last answered one.
+    /// How many BPSTS were sent on this connection since the vehicle last answered one without refusing it.
     unanswered_beats: u32,
     /// When the command of the last good round trip was sent, or when the connection began if there has been none.
     lost_at: Timestamp,
     remedies: u32,
-    /// Commands that this vehicle answers: inserts, and those that it has ever answered.
+    /// Commands that this vehicle answers: inserts, and those that it has ever answered without refusing them.
     answers: BTreeSet<CommandName>,
 }
 
@@ -169,6 +169,9 @@ impl Heartbeat {
     /// If it may answer several commands, the oldest counts: its round trip is the longest, so none is taken to be
     /// shorter than it was.
     pub(crate) fn acknowledged(&mut self, now: Timestamp, ack: &Acknowledgement) -> Option<Heard> {
+        // Some vehicles answer only what their sections of the specification say, and whatever they refuse (SPI 6.21). So a
+        // refusal does not show that the vehicle answers this command at other times.
+        let usual = matches!(ack.status, AckStatus::Succeeded | AckStatus::Pending);
         let sent = if ack.command == name("LOG") {
             self.logs.answered(now, ack.created)?
         } else {
@@ -176,13 +179,15 @@ impl Heartbeat {
             if sent.name == name("VER") {
                 self.logs.early_is_answered();
             }
-            if sent.name == name("STS") {
+            if sent.name == name("STS") && usual {
                 self.carrier = Carrier::Status;
                 self.unanswered_beats = 0;
             }
             sent.at
         };
-        self.answers.insert(ack.command);
+        if usual {
+            self.answers.insert(ack.command);
+        }
         if sent < self.began {
             // It left on another connection.
             return None;

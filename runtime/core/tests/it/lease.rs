@@ -360,7 +360,7 @@ fn sr_004_a_lease_that_comes_to_reach_the_margin_ends_at_that_sample_and_not_at_
         "before the next refresh"
     );
     assert!(
-        reason.starts_with("altitude: ") && reason.contains("m below the altitude of 2 m"),
+        reason.starts_with("altitude: ") && reason.contains("m too deep for the altitude of 2 m"),
         "{reason}"
     );
     assert_eq!(trial.sent_since("EMB", risen), [ended]);

@@ -1,6 +1,7 @@
 //! The heartbeat on a modelled link, with a modelled vehicle: whenever core says that the vehicle hears us, it does.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use backseat_spi::{AckStatus, EchoedTime, Text};
 use proptest::prelude::*;
@@ -45,6 +46,8 @@ struct Vehicle {
 
 #[derive(Clone, Debug)]
 struct Case {
+    /// The vehicle refuses everything that it hears meanwhile, and says so.
+    refuses_ms: Range<u64>,
     up: Way,
     down: Way,
     vehicle: Vehicle,
@@ -92,8 +95,8 @@ struct Model {
     connection_began: u64,
     /// Arrivals at the vehicle: the index of a command.
     up: BTreeMap<(u64, usize), usize>,
-    /// Arrivals of answers: the index of the command, and when the vehicle wrote the answer.
-    down: BTreeMap<(u64, usize), (usize, u64)>,
+    /// Arrivals of answers: the index of the command, when the vehicle wrote the answer, and what it says.
+    down: BTreeMap<(u64, usize), (usize, u64, AckStatus)>,
     count: usize,
     /// When the last sentence arrived on each way: the first copies arrive in order.
     arrived: [u64; 2],
@@ -184,12 +187,18 @@ impl Model {
     }
 
     fn vehicle_hears(&mut self, now: u64) {
+        let refuses = self.case.refuses_ms.contains(&now);
+        let status = if refuses {
+            AckStatus::Invalid
+        } else {
+            AckStatus::Succeeded
+        };
         while let Some(entry) = self.up.first_entry().filter(|entry| entry.key().0 <= now) {
             let index = entry.remove();
-            if self.commands[index].answered {
+            if self.commands[index].answered || refuses {
                 for arrives in self.arrivals(now, true) {
                     self.count += 1;
-                    self.down.insert((arrives, self.count), (index, now));
+                    self.down.insert((arrives, self.count), (index, now, status));
                 }
             }
         }
@@ -197,7 +206,7 @@ impl Model {
 
     fn answers_come(&mut self, now: u64) {
         while let Some(entry) = self.down.first_entry().filter(|entry| entry.key().0 <= now) {
-            let (index, written) = entry.remove();
+            let (index, written, status) = entry.remove();
             let command = self.commands[index];
             if now - command.at <= 1000 && command.at >= self.connection_began {
                 self.good.push(command.at);
@@ -212,7 +221,7 @@ impl Model {
                 command: name(command.letters),
                 command_created: echo,
                 behavior: None,
-                status: AckStatus::Succeeded,
+                status,
                 text: Text::cleaned(""),
             };
             self.heartbeat.acknowledged(Timestamp::from_millis(now), &ack);
@@ -280,25 +289,34 @@ fn vehicle() -> impl Strategy<Value = Vehicle> {
     )
 }
 
+fn refusals() -> impl Strategy<Value = Range<u64>> {
+    let lasts = prop_oneof![Just(0), 0..3000u64, 0..60_000u64];
+    (0..200_000u64, lasts).prop_map(|(from, lasts)| from..from + lasts)
+}
+
 fn cases(delay_max_ms: u64, lost: f64, doubled: f64, spread_ms: u64) -> impl Strategy<Value = Case> {
     let delays = move || prop_oneof![0..=700u64, 0..=delay_max_ms];
     (
         way(delays(), lost, doubled, spread_ms),
         way(delays(), lost, doubled, spread_ms),
         vehicle(),
+        refusals(),
         (0..240_000u64, prop_oneof![Just(0), 0..60_000u64]),
         any::<bool>(),
         any::<u64>(),
     )
-        .prop_map(|(up, down, vehicle, (reset_at_ms, outage_ms), relayed, seed)| Case {
-            up,
-            down,
-            vehicle,
-            reset_at_ms: reset_at_ms / 10 * 10,
-            outage_ms,
-            relayed,
-            seed,
-        })
+        .prop_map(
+            |(up, down, vehicle, refuses_ms, (reset_at_ms, outage_ms), relayed, seed)| Case {
+                refuses_ms,
+                up,
+                down,
+                vehicle,
+                reset_at_ms: reset_at_ms / 10 * 10,
+                outage_ms,
+                relayed,
+                seed,
+            },
+        )
 }
 
 fn assert_safe(case: &Case) -> Result<(), TestCaseError> {
@@ -319,6 +337,7 @@ fn sr_023_links_on_which_the_vehicle_was_once_taken_to_hear_us() {
         spread_ms: 0,
     };
     let case = |up, down, reset_at_ms, answers_logging, rounds| Case {
+        refuses_ms: 0..0,
         up,
         down,
         vehicle: Vehicle {
@@ -367,6 +386,7 @@ proptest! {
     fn sr_023_on_a_good_link_a_vehicle_that_answers_something_is_heard_all_the_time(
         (up, down) in (0..=450u64, 0..=450u64),
         vehicle in vehicle(),
+        refuses_ms in refusals(),
         (reset_at_s, outage_s) in (70..150u64, prop_oneof![Just(0), 0..60u64]),
         seed in any::<u64>(),
     ) {
@@ -379,6 +399,7 @@ proptest! {
             spread_ms: 0,
         };
         let case = Case {
+            refuses_ms,
             up: way(up),
             down: way(down),
             vehicle: Vehicle { answers_logging: true, ..vehicle },

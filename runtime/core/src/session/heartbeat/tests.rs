@@ -111,6 +111,35 @@ fn sr_023_if_only_status_is_not_answered_subscriptions_are_the_beat_one_at_a_tim
 }
 
 #[test]
+fn sr_023_a_refused_status_does_not_show_that_the_vehicle_answers_others() {
+    let mut heartbeat = connected();
+    let mut heard = Vec::new();
+    for second in 0..60u64 {
+        let now = 20 + second * 1000;
+        if second == 0 || heartbeat.needs_log(at(now)) {
+            heartbeat.left(at(now), name("LOG"), None, false);
+            heartbeat.acknowledged(at(now + 5), &log_answer(now + 4));
+        }
+        heartbeat.left(at(now), name("STS"), Some(stamp(now)), false);
+        heartbeat.left(at(now), name("TMR"), Some(stamp(now)), false);
+        if second == 30 {
+            for letters in ["STS", "TMR"] {
+                let refused = Acknowledgement {
+                    status: AckStatus::Invalid,
+                    ..ack(letters, EchoedTime::of(stamp(now)))
+                };
+                assert!(heartbeat.acknowledged(at(now + 5), &refused).unwrap().good);
+            }
+        }
+        if heartbeat.has_just_answered(at(now + 10)) && heartbeat.is_heard(at(now + 990)) {
+            heard.push(second);
+        }
+    }
+    let expected: Vec<u64> = [0].into_iter().chain(4..60).collect();
+    assert_eq!(heard, expected);
+}
+
+#[test]
 fn sr_023_a_lost_answer_to_a_subscription_costs_20_s_and_not_the_day() {
     let mut heartbeat = connected();
     heartbeat.left(at(0), name("LOG"), None, false);

@@ -461,7 +461,7 @@ fn a_breach_prints_by_itself() {
         ),
         (
             vertical(10.0, 20.0, 2.99),
-            "0.010 m below the altitude of 3 m of keep-in zone 'box'",
+            "0.010 m too deep for the altitude of 3 m of keep-in zone 'box'",
         ),
     ] {
         assert_eq!(wreck.check(&sweep, &vertical).unwrap_err().to_string(), text);

@@ -11,6 +11,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail, ensure};
 use backseat_lock::sha256;
 use backseat_mission::Mission;
+use backseat_plugin_host::COMPONENT_BYTES;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
@@ -121,6 +122,12 @@ pub(crate) fn swap(arguments: &Swap) -> Result<bool> {
         "no plugin {plugin} in the mission; its plugins are: {}",
         names.join(", ")
     );
+    let size = fs::metadata(file).with_context(|| file.display().to_string())?.len();
+    ensure!(
+        size <= COMPONENT_BYTES as u64,
+        "{}: {size} bytes, expected at most {COMPONENT_BYTES}",
+        file.display()
+    );
     let component = fs::read(file).with_context(|| file.display().to_string())?;
     let hash = sha256(&component);
     let Some(named) = &arguments.sha256 else {
@@ -132,8 +139,8 @@ pub(crate) fn swap(arguments: &Swap) -> Result<bool> {
     };
     let named = named.to_ascii_lowercase();
     ensure!(
-        named.len() >= HASH_DIGITS_MIN,
-        "--sha256 {named}: expected {HASH_DIGITS_MIN} digits or more"
+        named.len() >= HASH_DIGITS_MIN && named.bytes().all(|digit| digit.is_ascii_hexdigit()),
+        "--sha256 {named}: expected {HASH_DIGITS_MIN} hexadecimal digits or more"
     );
     ensure!(
         hash.starts_with(&named),

@@ -220,6 +220,31 @@ pub(crate) fn cut(text: &str) -> &str {
     &text[..text.floor_char_boundary(TEXT_BYTES)]
 }
 
+/// What a plugin says, in one line that drives no terminal: what would begin another line, move the cursor or turn the
+/// direction of writing is escaped. Otherwise a plugin could forge lines of reports. Cut at the bound.
+pub(crate) fn said(text: &str) -> String {
+    let text = cut(text);
+    if !text.contains(forges) {
+        return text.to_owned();
+    }
+    let mut escaped = String::with_capacity(text.len() + 16);
+    for character in text.chars() {
+        if forges(character) {
+            escaped.extend(character.escape_default());
+        } else {
+            escaped.push(character);
+        }
+    }
+    cut(&escaped).to_owned()
+}
+
+/// Controls, separators of lines and paragraphs, and marks of the direction of writing.
+fn forges(character: char) -> bool {
+    let marks =
+        matches!(character, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    character.is_control() || marks
+}
+
 fn set_fuel(store: &mut Store<State>, fuel: u64) {
     store.set_fuel(fuel).expect("the engine counts fuel");
 }

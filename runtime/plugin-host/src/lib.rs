@@ -12,7 +12,7 @@
 //! | linear memory in total, 64 instances, 32 tables, 8 memories, 100,000 table elements | [`Budget`] | `Memory`, if the plugin then traps |
 //! | bytes that one call passes to the host | 128 KiB for a step, 1 MiB for a snapshot | `TooMuch`, before anything is allocated for them |
 //! | 256 requests in a step, 256 bytes in a text, 8 frames of 1024 bytes in a packet | | `TooMuch` |
-//! | 32 log lines in a step and in a second, with a burst of twice as many, each of 256 bytes | | lines are cut or dropped; dropped lines are counted |
+//! | 32 log lines in a step and in a second, with a burst of twice as many, each of 256 bytes and one line | | lines are cut or dropped; dropped lines are counted |
 //! | 64 published values in a second, with a burst of twice as many, under 64 names | | values are dropped; a log line counts them and says why |
 //! | 32 MiB for a component, 120 s to compile it | [`Host::load_within`] | it is not loaded |
 //! | wall clock | [`Plugin::set_deadline_ticks`] | `Deadline` |

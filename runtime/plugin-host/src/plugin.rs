@@ -6,7 +6,7 @@ use backseat_core::plugin::{
 };
 use backseat_core::refusal::Reason;
 
-use crate::instance::{CALL_BYTES, Called, Instance, cut};
+use crate::instance::{CALL_BYTES, Called, Instance, said};
 use crate::lines::{self, Lines};
 use crate::measures::Measures;
 use crate::meter::Meter;
@@ -206,7 +206,7 @@ impl Plugin {
             Ok(requests) => v0_2_0::requests(requests),
             Err(text) => Err(PluginFault {
                 kind: FaultKind::Error,
-                text: cut(&text).to_owned(),
+                text: said(&text),
             }),
         });
         if let Some(Stop::InStep { lines, values }) = stop {
@@ -393,7 +393,7 @@ impl Plugin {
         });
         called.result?.map_err(|text| PluginFault {
             kind: FaultKind::Start,
-            text: cut(&text).to_owned(),
+            text: said(&text),
         })?;
         Ok(instance.fuel_left())
     }
@@ -408,7 +408,7 @@ impl Plugin {
         });
         called.result?.map_err(|text| PluginFault {
             kind: FaultKind::Start,
-            text: format!("restore: {}", cut(&text)),
+            text: format!("restore: {}", said(&text)),
         })?;
         Ok(instance.fuel_left())
     }

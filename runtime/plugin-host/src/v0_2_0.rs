@@ -8,7 +8,7 @@ use backseat_units::Timestamp;
 use wasmtime::StoreContextMut;
 use wasmtime::component::{Linker, WasmStr};
 
-use crate::instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL, State, charge, cut};
+use crate::instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL, State, charge, cut, said};
 
 mod briefing;
 mod description;
@@ -69,7 +69,7 @@ fn write(mut store: StoreContextMut<'_, State>, (level, text): (Level, WasmStr))
     }
     let (line, bytes) = {
         let text = text.to_str(&store)?;
-        (cut(&text).to_owned(), text.len())
+        (said(&text), text.len())
     };
     charge(&mut store, bytes as u64)?;
     let level = match level {

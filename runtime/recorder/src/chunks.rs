@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use backseat_units::{Timestamp, Utc};
-use mcap::records::Record as Raw;
+use mcap::records::{Record as Raw, op};
 use mcap::{MAGIC, McapError};
 
 use crate::error::RecorderError;
@@ -40,6 +40,8 @@ pub(crate) struct Chunks<R> {
     /// Messages of the chunk that was read last.
     waiting: VecDeque<Message>,
     end: End,
+    /// The checksum of all records so far, with which the file ends.
+    checksum: crc32fast::Hasher,
     /// The current record, kept to reuse its allocation.
     bytes: Vec<u8>,
 }
@@ -67,11 +69,20 @@ impl<R: Read> Chunks<R> {
             topics: BTreeMap::new(),
             waiting: VecDeque::new(),
             end: End::Ahead,
+            checksum: crc32fast::Hasher::new(),
             bytes: Vec::new(),
         };
         if !chunks.fill(MAGIC.len() as u64)? || chunks.bytes != MAGIC {
-            return Err(chunks.damaged(McapError::BadMagic));
+            return Err(RecorderError::NotALog {
+                log: chunks.log,
+                what: if chunks.bytes.is_empty() {
+                    "is empty"
+                } else {
+                    "is no MCAP file"
+                },
+            });
         }
+        chunks.checksum.update(MAGIC);
         chunks.read_on()?;
         Ok(chunks)
     }
@@ -104,6 +115,10 @@ impl<R: Read> Chunks<R> {
         self.end == End::Complete
     }
 
+    pub(crate) fn is_cut(&self) -> bool {
+        self.end == End::Cut
+    }
+
     pub(crate) fn next_message(&mut self) -> Result<Option<Message>, RecorderError> {
         self.read_on()?;
         Ok(self.waiting.pop_front())
@@ -114,18 +129,29 @@ impl<R: Read> Chunks<R> {
         while self.waiting.is_empty() && self.end == End::Ahead {
             self.bytes.clear();
             if !self.fill(RECORD_HEAD as u64)? {
-                self.end = End::Cut;
-                break;
+                return self.cut();
             }
             let length = self.bytes.get(1..).and_then(|length| length.try_into().ok());
             if !self.fill(length.map_or(0, u64::from_le_bytes))? {
-                self.end = End::Cut;
-                break;
+                return self.cut();
             }
             let bytes = std::mem::take(&mut self.bytes);
             let taken = self.take(&bytes);
             self.bytes = bytes;
             taken?;
+        }
+        Ok(())
+    }
+
+    /// The file ended within a record, and [`Self::bytes`] are its last ones. The log of a process that was killed does. But
+    /// a file that ends as MCAP files do was finished, so what is read before its end is damaged.
+    fn cut(&mut self) -> Result<(), RecorderError> {
+        self.end = End::Cut;
+        if self.bytes.ends_with(MAGIC) {
+            return Err(RecorderError::Damaged {
+                log: self.log.clone(),
+                reason: "a record runs past the end of the file, which was finished".to_owned(),
+            });
         }
         Ok(())
     }
@@ -141,6 +167,9 @@ impl<R: Read> Chunks<R> {
     }
 
     fn take(&mut self, bytes: &[u8]) -> Result<(), RecorderError> {
+        if bytes.first() != Some(&op::DATA_END) {
+            self.checksum.update(bytes);
+        }
         for record in Records::of(bytes) {
             match record.map_err(|source| self.damaged(source))? {
                 Raw::Channel(channel) => {
@@ -164,7 +193,12 @@ impl<R: Read> Chunks<R> {
                         });
                     }
                 }
-                Raw::DataEnd(_) => {
+                Raw::DataEnd(end) => {
+                    let (saved, calculated) = (end.data_section_crc, self.checksum.clone().finalize());
+                    // Some programs write none.
+                    if saved != 0 && saved != calculated {
+                        return Err(self.damaged(McapError::BadDataCrc { saved, calculated }));
+                    }
                     self.end = End::Complete;
                     break;
                 }
@@ -191,8 +225,20 @@ impl<R: Read> Chunks<R> {
         } else {
             RecorderError::Damaged {
                 log,
-                source: Box::new(source),
+                reason: reason(&source),
             }
         }
+    }
+}
+
+/// Where reading fails, in one line. The reader's own text for a record that it cannot read is a picture of many lines.
+fn reason(error: &McapError) -> String {
+    match error {
+        McapError::Parse(parsing) => {
+            let cause = parsing.root_cause().to_string();
+            let words: Vec<_> = cause.split_whitespace().collect();
+            format!("a record cannot be read: {}", words.join(" "))
+        }
+        other => other.to_string(),
     }
 }

@@ -43,13 +43,21 @@ pub enum RecorderError {
         /// The reason.
         source: std::io::Error,
     },
-    /// The file is not MCAP, or is damaged in the middle. (A missing end is not an error.)
-    #[error("log {log} is not an intact MCAP file: {source}")]
+    /// The file is damaged in the middle. (A missing end is not an error.)
+    #[error("log {log} is not an intact MCAP file: {reason}")]
     Damaged {
         /// Path of the file, or `in memory`.
         log: String,
         /// Where reading fails.
-        source: Box<mcap::McapError>,
+        reason: String,
+    },
+    /// The file is something else.
+    #[error("log {log} {what}: expected a log, which `run`, `fly` or `sim --log` writes")]
+    NotALog {
+        /// Path of the file, or `in memory`.
+        log: String,
+        /// What it is.
+        what: &'static str,
     },
     /// The file is MCAP with compressed chunks, which this project never writes.
     #[error(

@@ -178,7 +178,8 @@ pub fn read(path: &Path) -> Result<Log, RecorderError> {
 ///
 /// # Errors
 ///
-/// [`RecorderError::Damaged`], [`RecorderError::Foreign`], [`RecorderError::Format`], [`RecorderError::Message`].
+/// [`RecorderError::NotALog`], [`RecorderError::Damaged`], [`RecorderError::Foreign`], [`RecorderError::Format`],
+/// [`RecorderError::Message`].
 pub fn parse(bytes: &[u8]) -> Result<Log, RecorderError> {
     parse_named(bytes, "in memory")
 }

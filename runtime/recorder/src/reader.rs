@@ -51,12 +51,17 @@ impl<R: Read> LogReader<R> {
     ///
     /// # Errors
     ///
-    /// [`RecorderError::Open`], [`RecorderError::Damaged`], [`RecorderError::Foreign`], [`RecorderError::Format`].
+    /// [`RecorderError::Open`], [`RecorderError::NotALog`], [`RecorderError::Damaged`], [`RecorderError::Foreign`],
+    /// [`RecorderError::Format`].
     pub fn new(source: R, log: String) -> Result<Self, RecorderError> {
         let mut chunks = Chunks::open(source, log)?;
         let run = chunks.metadata(RUN).ok_or_else(|| {
-            let (what, expected) = ("no metadata".to_owned(), "a metadata record named backseat");
-            foreign(chunks.log(), what, expected)
+            let what = if chunks.is_cut() {
+                "no run, as it was cut short before that was written"
+            } else {
+                "no metadata"
+            };
+            foreign(chunks.log(), what.to_owned(), "a metadata record named backseat")
         })?;
         let components = chunks.metadata(COMPONENTS).cloned().unwrap_or_default();
         let run = read_run(run, components, chunks.log())?;

@@ -160,10 +160,16 @@ impl Desk {
             for (index, setup) in self.setups.iter().enumerate() {
                 match self.take(&setup.name) {
                     Ok(None) => {}
-                    Err(error) => warn!("{}: order to swap ignored: {error:#}", setup.name),
-                    Ok(Some((order, component))) => {
+                    Err(error) => {
+                        let text = format!("{}: order to swap ignored: {error:#}", setup.name);
+                        warn!("{text}");
+                        let _ended = news.send(News::Refused(text));
+                    }
+                    Ok(Some(order)) => {
                         let number = order.number;
-                        match self.prepare(PluginId(index), setup, order, component) {
+                        let component = self.component(&setup.name);
+                        let prepare = |component| self.prepare(PluginId(index), setup, order, component);
+                        match component.and_then(prepare) {
                             // The loop may have ended.
                             Ok(offer) => drop(news.send(News::Ready(Box::new(offer)))),
                             Err(error) => {
@@ -189,7 +195,7 @@ impl Desk {
     }
 
     /// The next order for a plugin, if there is one. It is removed.
-    fn take(&self, plugin: &str) -> Result<Option<(Order, Vec<u8>)>> {
+    fn take(&self, plugin: &str) -> Result<Option<Order>> {
         let files = Files::of(&self.folder, plugin);
         match fs::symlink_metadata(&files.order) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -203,7 +209,12 @@ impl Desk {
         let text = fs::read_to_string(&files.order);
         fs::remove_file(&files.order).with_context(|| files.order.display().to_string())?;
         ensure!(!is_open(&self.folder)?, "{}: {OPEN_FOLDER}", self.folder.display());
-        let order: Order = toml::from_str(&text?).context("it cannot be read")?;
+        Ok(Some(toml::from_str(&text?).context("it cannot be read")?))
+    }
+
+    /// The component of an order. It is removed.
+    fn component(&self, plugin: &str) -> Result<Vec<u8>> {
+        let files = Files::of(&self.folder, plugin);
         let found = fs::symlink_metadata(&files.component).with_context(|| files.component.display().to_string())?;
         ensure!(
             found.is_file() && found.len() <= COMPONENT_BYTES as u64,
@@ -212,7 +223,7 @@ impl Desk {
         );
         let component = fs::read(&files.component).with_context(|| files.component.display().to_string())?;
         let _read = fs::remove_file(&files.component);
-        Ok(Some((order, component)))
+        Ok(component)
     }
 
     fn prepare(&self, plugin: PluginId, setup: &PluginSetup, order: Order, component: Vec<u8>) -> Result<Offer> {

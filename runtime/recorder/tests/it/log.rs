@@ -209,6 +209,29 @@ fn no_single_byte_makes_the_reader_panic() {
     }
 }
 
+/// A log whose process was killed is read up to where it ends. A damaged one must not look like one.
+#[test]
+fn a_log_with_a_flipped_bit_is_refused_or_reads_as_before() {
+    let mut bytes = short_log();
+    let whole = parse(&bytes).unwrap();
+    let whole = format!("{:?} {:?}", whole.run, whole.entries);
+    let mut refused = 0;
+    for at in outside_of_schemas(&bytes) {
+        for bit in [0x01, 0x10, 0x80] {
+            bytes[at] ^= bit;
+            match parse(&bytes) {
+                Ok(log) => assert_eq!(format!("{:?} {:?}", log.run, log.entries), whole, "byte {at}"),
+                Err(error) => {
+                    refused += 1;
+                    assert!(!error.to_string().contains(char::is_control), "byte {at}: {error}");
+                }
+            }
+            bytes[at] ^= bit;
+        }
+    }
+    assert!(refused > 1000, "{refused}");
+}
+
 #[test]
 fn a_file_cut_anywhere_reads_up_to_the_cut() {
     let bytes = short_log();
@@ -216,7 +239,7 @@ fn a_file_cut_anywhere_reads_up_to_the_cut() {
         match parse(&bytes[..length]) {
             Ok(log) => assert!(log.entries.len() <= 1, "{length}"),
             Err(error) => assert!(
-                matches!(error, RecorderError::Damaged { .. } if length < mcap::MAGIC.len())
+                matches!(error, RecorderError::NotALog { .. } if length < mcap::MAGIC.len())
                     || matches!(error, RecorderError::Foreign { .. }),
                 "{length}: {error}"
             ),
@@ -420,7 +443,15 @@ fn errors_name_the_file_and_what_was_expected() {
         .to_string();
     assert!(text.starts_with("cannot create log /nonexistent/log.mcap: "), "{text}");
     assert!(matches!(read(missing), Err(RecorderError::Open { .. })));
-    assert!(matches!(parse(b"not a log at all"), Err(RecorderError::Damaged { .. })));
+    let text = parse(b"not a log at all").err().unwrap().to_string();
+    assert!(
+        text.starts_with("log in memory is no MCAP file: expected a log"),
+        "{text}"
+    );
+    assert!(matches!(
+        parse(b""),
+        Err(RecorderError::NotALog { what: "is empty", .. })
+    ));
     // The format that the first versions wrote.
     let old = replaced(
         &short_log(),

@@ -191,7 +191,7 @@ fn a_swap_that_cannot_be_done_says_why_and_changes_nothing() {
         "{unnamed}"
     );
     let short = swap_with(&mission, &good, &["--sha256", "abc"]).refusal();
-    assert!(short.contains("expected 12 digits or more"), "{short}");
+    assert!(short.contains("expected 12 hexadecimal digits or more"), "{short}");
     let wrong = swap_with(&mission, &good, &["--sha256", "0123456789ab"]).refusal();
     assert!(wrong.contains(&hash(&good)), "{wrong}");
     let stranger = Backseat::new()

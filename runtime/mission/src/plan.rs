@@ -201,16 +201,16 @@ pub(crate) fn load(
 ) -> Result<FrontSeatPlan, MissionError> {
     check_tolerance(folder, table)?;
     let path = folder.join(&table.file);
-    let text = read_own(&path).map_err(|error| match error {
-        MissionError::Read { source, .. } => value(
-            &folder.join("mission.toml"),
-            format!(
-                "plan.file is {:?}: cannot read {}: {source}",
-                table.file,
-                path.display()
-            ),
-        ),
-        other => other,
+    let text = read_own(&path).map_err(|error| {
+        let MissionError::Read { source, .. } = error else {
+            return error;
+        };
+        let why = format!(
+            "plan.file is {:?}: cannot read {}: {source}",
+            table.file,
+            path.display()
+        );
+        value(&folder.join("mission.toml"), why)
     })?;
     of_text(folder, table, class, text)
 }

@@ -351,3 +351,21 @@ impl ResourceLimiter for Limits {
         8
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_plugin_says_is_one_line_that_drives_no_terminal() {
+        assert_eq!(
+            said("12.5 °C: naïve, \"quoted\" \\ 深さ"),
+            "12.5 °C: naïve, \"quoted\" \\ 深さ"
+        );
+        assert_eq!(
+            said("x\n  no violation\r\n\u{1b}[1A\u{202e}evil\u{2028}"),
+            "x\\n  no violation\\r\\n\\u{1b}[1A\\u{202e}evil\\u{2028}"
+        );
+        assert_eq!(said(&"\u{1b}".repeat(1000)).len(), TEXT_BYTES / 6 * 6 + TEXT_BYTES % 6);
+    }
+}

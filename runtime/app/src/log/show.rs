@@ -13,7 +13,7 @@ use clap::Args;
 use serde_json::Value;
 
 use super::read_log;
-use crate::output::say;
+use crate::output::{escaped, say};
 
 #[derive(Debug, Args)]
 pub(crate) struct LogShow {
@@ -40,7 +40,8 @@ pub(super) fn show(arguments: &LogShow) -> Result<bool> {
     for (at, text) in log.notes() {
         let text = named(text, &plugins);
         if arguments.plugin.as_ref().is_none_or(|plugin| names(&text, plugin)) {
-            say!("{:10.3} {text}", at.as_secs_f64());
+            // One line for each note, whatever it says.
+            say!("{:10.3} {}", at.as_secs_f64(), escaped(&text, char::is_control));
         }
     }
     Ok(true)

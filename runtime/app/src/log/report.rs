@@ -338,14 +338,17 @@ struct Collect<'a> {
     last: BTreeMap<(u64, u64), Last>,
     granted: Option<f64>,
     process: u64,
-    /// The version that last took each plugin's place, or was to: number and hash.
-    swapped_to: BTreeMap<u64, String>,
+    /// The version that last took each plugin's place, or was to, until it has passed its trial: number and hash, and
+    /// whether it is on trial.
+    swapped_to: BTreeMap<u64, (String, bool)>,
     /// The last panic that each plugin logged, and when.
     panics: BTreeMap<u64, (f64, String)>,
 }
 
 /// How the line begins that Rust writes for a panic, and that the SDK logs.
 const PANIC: &str = "panicked at ";
+/// What `run` says of a version that has passed its trial.
+const PASSED: &str = " has passed its trial of ";
 /// At most so many troubles are listed. The rest is counted.
 const TROUBLES_MAX: usize = 200;
 
@@ -369,8 +372,12 @@ impl Collect<'_> {
             Record::Input(LoggedInput::Swap(plugin, version)) => {
                 let name = self.name(plugin.0 as u64);
                 self.happened(at_s, format!("swap {name} to version {version}"));
+                let on_trial = version.trial_steps > 0;
                 let version = format!("{} ({})", version.version, version.sha256.get(..12).unwrap_or_default());
-                self.swapped_to.insert(plugin.0 as u64, version);
+                if let Some((before, true)) = self.swapped_to.insert(plugin.0 as u64, (version, on_trial)) {
+                    let text = format!("{name}: version {before} was on trial, and the next one comes in its place");
+                    self.happened(at_s, text);
+                }
             }
             Record::Input(_)
             | Record::Sent(_)
@@ -482,6 +489,14 @@ impl Collect<'_> {
                 if self.report.seed.is_some() && self.report.seconds - at_s < 1.0 && line().ends_with(": Stop") => {}
             "operator" | "asked" => {
                 let text = line();
+                if text.contains(PASSED)
+                    && let Some(plugin) = self
+                        .names
+                        .iter()
+                        .position(|name| text.starts_with(&format!("{name}: ")))
+                {
+                    self.swapped_to.remove(&(plugin as u64));
+                }
                 self.happened(at_s, text);
             }
             "plugin-log" => {
@@ -503,7 +518,7 @@ impl Collect<'_> {
                     _ => None,
                 };
                 if let (Some(came_to), Some(plugin)) = (came_to, note["plugin"].as_u64())
-                    && let Some(version) = self.swapped_to.remove(&plugin)
+                    && let Some((version, _)) = self.swapped_to.remove(&plugin)
                 {
                     let name = self.name(plugin);
                     self.happened(at_s, format!("{name}: version {version} {came_to}"));

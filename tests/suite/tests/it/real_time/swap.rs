@@ -142,6 +142,31 @@ fn versions_take_over_in_the_middle_of_a_lease_and_the_dive_is_replayed() {
 }
 
 #[test]
+fn the_report_tells_of_a_version_that_the_next_one_replaced_on_trial() {
+    let mission = mission(180.0);
+    let vehicle = Vehicle::start(&mission);
+    let run = runtime(&mission, &vehicle.address, &["--arm"]);
+    let _ = vehicle.receives("BPRMB", 3, SOON);
+    let (first, next) = (
+        backseat_test_support::plugins().join("template.wasm"),
+        second(&mission, "next.wasm"),
+    );
+    for (file, count) in [(&next, 6), (&first, 9)] {
+        swap_with(&mission, file, &["--sha256", &hash(file), "--trial", "1000"]).exit(0);
+        run.says("pilot: swapped", SOON);
+        let _ = vehicle.receives("BPRMB", count, SOON);
+    }
+    let (_, path) = ended(&mission, run);
+    let told = log_told("report", &path);
+    let line = format!(
+        "pilot: version 0.1.0 ({}) was on trial, and the next one comes in its place",
+        &hash(&next)[..12]
+    );
+    assert_eq!(told.matches("was on trial").count(), 1, "{told}");
+    assert!(told.contains(&line), "{line}: {told}");
+}
+
+#[test]
 fn a_version_that_traps_on_trial_gives_way_and_the_vehicle_is_steered_on() {
     gives_way(90.0, "version 0.2.0 on trial: ");
 }
@@ -192,6 +217,13 @@ fn a_swap_that_cannot_be_done_says_why_and_changes_nothing() {
     );
     let short = swap_with(&mission, &good, &["--sha256", "abc"]).refusal();
     assert!(short.contains("expected 12 hexadecimal digits or more"), "{short}");
+    let large = mission.beside("large.wasm");
+    std::fs::File::create(&large).unwrap().set_len(33 << 20).unwrap();
+    let too_large = swap_with(&mission, &large, &["--sha256", "0123456789ab"]).refusal();
+    assert!(
+        too_large.contains("large.wasm: 34603008 bytes, expected at most 33554432"),
+        "{too_large}"
+    );
     let wrong = swap_with(&mission, &good, &["--sha256", "0123456789ab"]).refusal();
     assert!(wrong.contains(&hash(&good)), "{wrong}");
     let stranger = Backseat::new()

@@ -233,12 +233,10 @@ impl<R: Read> Chunks<R> {
 
 /// Where reading fails, in one line. The reader's own text for a record that it cannot read is a picture of many lines.
 fn reason(error: &McapError) -> String {
-    match error {
-        McapError::Parse(parsing) => {
-            let cause = parsing.root_cause().to_string();
-            let words: Vec<_> = cause.split_whitespace().collect();
-            format!("a record cannot be read: {}", words.join(" "))
-        }
-        other => other.to_string(),
-    }
+    let McapError::Parse(parsing) = error else {
+        return error.to_string();
+    };
+    let cause = parsing.root_cause().to_string();
+    let words: Vec<_> = cause.split_whitespace().collect();
+    format!("a record cannot be read: {}", words.join(" "))
 }

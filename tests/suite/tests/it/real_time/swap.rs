@@ -152,7 +152,8 @@ fn the_report_tells_of_a_version_that_the_next_one_replaced_on_trial() {
         second(&mission, "next.wasm"),
     );
     for (file, count) in [(&next, 6), (&first, 9)] {
-        swap_with(&mission, file, &["--sha256", &hash(file), "--trial", "1000"]).exit(0);
+        let swapped = swap_with(&mission, file, &["--sha256", &hash(file), "--trial", "1000"]).exit(0);
+        assert!(swapped.stdout.contains(&hash(file)[..12]), "{swapped}");
         run.says("pilot: swapped", SOON);
         let _ = vehicle.receives("BPRMB", count, SOON);
     }

@@ -220,8 +220,8 @@ pub(crate) fn cut(text: &str) -> &str {
     &text[..text.floor_char_boundary(TEXT_BYTES)]
 }
 
-/// What a plugin says, in one line that drives no terminal: what would begin another line, move the cursor or turn the
-/// direction of writing is escaped. Otherwise a plugin could forge lines of reports. Cut at the bound.
+/// What a plugin says, in one line that drives no terminal: the end of a line becomes a space, and what would move the
+/// cursor or turn the direction of writing is escaped. Otherwise a plugin could forge lines of reports. Cut at the bound.
 pub(crate) fn said(text: &str) -> String {
     let text = cut(text);
     if !text.contains(forges) {
@@ -229,10 +229,11 @@ pub(crate) fn said(text: &str) -> String {
     }
     let mut escaped = String::with_capacity(text.len() + 16);
     for character in text.chars() {
-        if forges(character) {
-            escaped.extend(character.escape_default());
-        } else {
-            escaped.push(character);
+        match character {
+            // The message of a panic in Rust has two lines.
+            '\n' | '\t' => escaped.push(' '),
+            _ if forges(character) => escaped.extend(character.escape_default()),
+            _ => escaped.push(character),
         }
     }
     cut(&escaped).to_owned()
@@ -364,7 +365,7 @@ mod tests {
         );
         assert_eq!(
             said("x\n  no violation\r\n\u{1b}[1A\u{202e}evil\u{2028}"),
-            "x\\n  no violation\\r\\n\\u{1b}[1A\\u{202e}evil\\u{2028}"
+            "x   no violation\\r \\u{1b}[1A\\u{202e}evil\\u{2028}"
         );
         assert_eq!(said(&"\u{1b}".repeat(1000)).len(), TEXT_BYTES / 6 * 6 + TEXT_BYTES % 6);
     }

@@ -40,8 +40,8 @@ pub(crate) struct Chunks<R> {
     /// Messages of the chunk that was read last.
     waiting: VecDeque<Message>,
     end: End,
-    /// The checksum of all records so far, with which the file ends.
-    checksum: crc32fast::Hasher,
+    /// How many messages were read, also those of unknown channels.
+    count: u64,
     /// The current record, kept to reuse its allocation.
     bytes: Vec<u8>,
 }
@@ -69,7 +69,7 @@ impl<R: Read> Chunks<R> {
             topics: BTreeMap::new(),
             waiting: VecDeque::new(),
             end: End::Ahead,
-            checksum: crc32fast::Hasher::new(),
+            count: 0,
             bytes: Vec::new(),
         };
         if !chunks.fill(MAGIC.len() as u64)? || chunks.bytes != MAGIC {
@@ -82,7 +82,6 @@ impl<R: Read> Chunks<R> {
                 },
             });
         }
-        chunks.checksum.update(MAGIC);
         chunks.read_on()?;
         Ok(chunks)
     }
@@ -166,10 +165,36 @@ impl<R: Read> Chunks<R> {
         Ok(read as u64 == missing)
     }
 
-    fn take(&mut self, bytes: &[u8]) -> Result<(), RecorderError> {
-        if bytes.first() != Some(&op::DATA_END) {
-            self.checksum.update(bytes);
+    /// Reads what follows the messages, as far as it is there. It says how many there are: a damaged chunk can look like
+    /// something unknown, which is passed over.
+    fn read_summary(&mut self) -> Result<(), RecorderError> {
+        loop {
+            self.bytes.clear();
+            if !self.fill(RECORD_HEAD as u64)? {
+                return Ok(());
+            }
+            let opcode = self.bytes.first().copied().unwrap_or_default();
+            let length = self.bytes.get(1..).and_then(|length| length.try_into().ok());
+            if opcode == op::FOOTER || !self.fill(length.map_or(0, u64::from_le_bytes))? {
+                return Ok(());
+            }
+            let body = self.bytes.get(RECORD_HEAD..).unwrap_or_default();
+            if opcode == op::STATISTICS
+                && let Ok(Raw::Statistics(statistics)) = mcap::parse_record(opcode, body)
+                && statistics.message_count != self.count
+            {
+                return Err(RecorderError::Damaged {
+                    log: self.log.clone(),
+                    reason: format!(
+                        "it says that it has {} messages, and {} were found",
+                        statistics.message_count, self.count
+                    ),
+                });
+            }
         }
+    }
+
+    fn take(&mut self, bytes: &[u8]) -> Result<(), RecorderError> {
         for record in Records::of(bytes) {
             match record.map_err(|source| self.damaged(source))? {
                 Raw::Channel(channel) => {
@@ -184,6 +209,7 @@ impl<R: Read> Chunks<R> {
                     data: data.into_owned(),
                 }),
                 Raw::Message { header, data } => {
+                    self.count += 1;
                     if let Some(topic) = self.topics.get(&header.channel_id) {
                         self.waiting.push_back(Message {
                             sequence: header.sequence,
@@ -193,14 +219,9 @@ impl<R: Read> Chunks<R> {
                         });
                     }
                 }
-                Raw::DataEnd(end) => {
-                    let (saved, calculated) = (end.data_section_crc, self.checksum.clone().finalize());
-                    // Some programs write none.
-                    if saved != 0 && saved != calculated {
-                        return Err(self.damaged(McapError::BadDataCrc { saved, calculated }));
-                    }
+                Raw::DataEnd(_) => {
                     self.end = End::Complete;
-                    break;
+                    return self.read_summary();
                 }
                 Raw::Header(_)
                 | Raw::Footer(_)

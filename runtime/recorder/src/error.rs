@@ -52,7 +52,7 @@ pub enum RecorderError {
         reason: String,
     },
     /// The file is something else.
-    #[error("log {log} {what}: expected a log, which `run`, `fly` or `sim --log` writes")]
+    #[error("log {log} {what}")]
     NotALog {
         /// Path of the file, or `in memory`.
         log: String,

@@ -195,7 +195,7 @@ fn what_cannot_be_replayed_is_refused_in_one_line() {
     };
     says(
         refused(&mission.path().join("mission.toml"), &[]),
-        &["expected the log of a run", "is not an intact MCAP file"],
+        &["expected the log of a run", "mission.toml is no MCAP file"],
     );
     says(refused(Path::new("/nowhere.mcap"), &["--json"]), &["/nowhere.mcap"]);
     says(

@@ -138,6 +138,7 @@ fn versions_take_over_in_the_middle_of_a_lease_and_the_dive_is_replayed() {
         let told = log_told(command, &path);
         assert!(told.contains(line), "{line}: {told}");
         assert!(!told.contains("the version before"), "{told}");
+        assert!(!told.contains("was on trial"), "{told}");
     }
 }
 

@@ -124,6 +124,8 @@ pub enum Fault {
     /// It requests what needs the vehicle's permission, without having it: packets, the DVL's trigger, silence under
     /// way, station keeping of a vehicle that does not hover.
     Uninvited,
+    /// It calls itself without end.
+    Recursion,
 }
 
 impl Fault {
@@ -135,6 +137,16 @@ impl Fault {
         let told = refused.err().map(|error| error.to_string()).unwrap_or_default();
         told.split('`').skip(3).step_by(2).map(str::to_owned).collect()
     }
+}
+
+/// Calls itself until its stack is full.
+#[inline(never)]
+fn deeper(calls: u64) -> u64 {
+    let room = std::hint::black_box([calls; 64]);
+    if std::hint::black_box(calls) == u64::MAX {
+        return room[0];
+    }
+    deeper(calls + 1).max(room[63])
 }
 
 /// A plugin that misbehaves.
@@ -253,6 +265,7 @@ impl Plugin for Faulty {
                 .collect()),
             Fault::Camera1000 => Ok(vec![requests::camera(self.next_tag(), 1000)]),
             Fault::Uninvited => Ok(requests::uninvited(|| self.next_tag())),
+            Fault::Recursion => Err(format!("{} calls", deeper(1))),
         }
     }
 
@@ -365,7 +378,7 @@ mod tests {
     fn every_fault_has_a_name() {
         let names = Fault::names();
         assert_eq!(names.first().map(String::as_str), Some("none"));
-        assert_eq!(names.last().map(String::as_str), Some("uninvited"));
+        assert_eq!(names.last().map(String::as_str), Some("recursion"));
         assert!(names.iter().any(|name| name == "latitude_91"), "{names:?}");
         for name in names {
             let fault: Result<Fault, NoFault> = Fault::deserialize(name.as_str().into_deserializer());

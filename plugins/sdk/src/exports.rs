@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use crate::{Briefing, Plugin, Request, StepInput, log};
+use crate::{Briefing, Description, Plugin, Request, StepInput, log};
 
 /// Holds the single instance of a component.
 pub type Slot<P> = RefCell<Option<P>>;
@@ -32,7 +32,7 @@ macro_rules! export {
             #[cfg(target_arch = "wasm32")]
             impl $crate::bindings::Guest for Component {
                 fn describe() -> $crate::Description {
-                    <$plugin as $crate::Plugin>::describe()
+                    $crate::exports::describe::<$plugin>()
                 }
                 fn init(briefing: $crate::Briefing) -> ::std::result::Result<(), ::std::string::String> {
                     SLOT.with(|slot| $crate::exports::init(slot, &briefing))
@@ -56,10 +56,16 @@ macro_rules! export {
     };
 }
 
+/// Describes the plugin.
+#[must_use]
+pub fn describe<P: Plugin>() -> Description {
+    log_panics();
+    P::describe()
+}
+
 /// Creates the instance from its configuration, and tells it about the mission.
 pub fn init<P: Plugin>(slot: &Slot<P>, briefing: &Briefing) -> Result<(), String> {
-    // A panic ends in a trap, which carries no text, so the message is logged first.
-    std::panic::set_hook(Box::new(|panic| log::write(log::Level::Error, &panic.to_string())));
+    log_panics();
     let mut plugin = P::new(parse(&briefing.config)?)?;
     plugin.brief(briefing)?;
     *slot.borrow_mut() = Some(plugin);
@@ -81,6 +87,11 @@ pub fn restore<P: Plugin>(slot: &Slot<P>, state: &[u8]) -> Result<(), String> {
     slot.borrow_mut().as_mut().ok_or(NOT_INITIALISED)?.restore(state)
 }
 
+/// A panic ends in a trap, which carries no text, so from now on the message is logged first.
+fn log_panics() {
+    std::panic::set_hook(Box::new(|panic| log::write(log::Level::Error, &panic.to_string())));
+}
+
 /// Parses the configuration. An error names the key.
 pub(crate) fn parse<C: serde::de::DeserializeOwned>(json: &str) -> Result<C, String> {
     let mut deserializer = serde_json::Deserializer::from_str(json);
@@ -100,7 +111,6 @@ pub(crate) fn parse<C: serde::de::DeserializeOwned>(json: &str) -> Result<C, Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Description;
 
     #[derive(Debug, serde::Deserialize)]
     #[serde(deny_unknown_fields)]

@@ -255,7 +255,8 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
     /// wasmtime's type of this error is private. Its version is fixed, and a test checks that this text still matches.
     const TOO_MUCH: &str = "too much data is being copied between the host and the guest";
     let text = one_line(error);
-    let kind = match error.downcast_ref::<Trap>() {
+    let trap = error.downcast_ref::<Trap>();
+    let kind = match trap {
         Some(Trap::OutOfFuel) => FaultKind::OutOfFuel,
         Some(Trap::Interrupt) => FaultKind::Deadline,
         _ if text.contains(TOO_MUCH) => FaultKind::TooMuch,
@@ -274,6 +275,16 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
             cut(&format!("{}: {text}", refused.unwrap_or_default())).to_owned()
         }
         FaultKind::Trap | FaultKind::Error | FaultKind::Overflow | FaultKind::Start | FaultKind::Trial => {
+            let text = match trap {
+                Some(Trap::StackOverflow) => format!("used all its stack, as recursion without end does: {text}"),
+                // The stack of a compiled language lies at the bottom of the plugin's memory and grows downwards.
+                Some(Trap::MemoryOutOfBounds) => {
+                    format!(
+                        "went outside its memory, as recursion without end does, or a wrong index or pointer: {text}"
+                    )
+                }
+                _ => text,
+            };
             cut(&text).to_owned()
         }
     };

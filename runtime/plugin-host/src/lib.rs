@@ -56,4 +56,4 @@ pub use instance::{FENCE_FUEL, LOG_FUEL, PUBLISH_FUEL};
 pub use interface::Interface;
 pub use meter::{Meter, Stopwatch, Usage};
 pub use plugin::{PANICKED, Plugin, Restarted, Started};
-pub use seat::Seat;
+pub use seat::{NextRestart, Seat};

@@ -435,7 +435,9 @@ fn begin(
         }
     })?;
     let described = instance.call_on(CALL_BYTES, None, |exports, store| exports.describe(store));
-    let described = described.result.map_err(start)?;
+    let described = described
+        .result
+        .map_err(|fault| start(with_last_line(fault, &lines::of_start(instance.take_log()))))?;
     let described = v0_2_0::description(described).map_err(|(what, expected)| HostError::Description {
         plugin: name(),
         what,

@@ -35,6 +35,17 @@ struct Trial {
     asked: BTreeSet<u64>,
 }
 
+/// What the next restart of a seat does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NextRestart {
+    /// Begins the plugin again.
+    Begins,
+    /// Puts the version in its place that was offered.
+    TakesOver,
+    /// Brings back the version before the one on trial.
+    BringsBack,
+}
+
 /// What a recorded run has returned, which this one repeats.
 enum Again<'a> {
     No,
@@ -63,6 +74,16 @@ impl Seat {
     /// Has this version, which has been started, take over at the next [`Seat::restart`].
     pub fn offer(&mut self, plugin: Plugin, version: Version) {
         self.candidate = Some(Candidate { plugin, version });
+    }
+
+    /// What the next [`Seat::restart`] does.
+    #[must_use]
+    pub const fn next_restart(&self) -> NextRestart {
+        match (&self.candidate, &self.trial) {
+            (Some(_), _) => NextRestart::TakesOver,
+            (None, Some(_)) => NextRestart::BringsBack,
+            (None, None) => NextRestart::Begins,
+        }
     }
 
     /// The version that has just passed its trial.

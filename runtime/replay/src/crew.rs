@@ -103,6 +103,7 @@ impl Crew {
                 steps: 0,
                 restarts: 0,
                 swaps: 0,
+                swaps_failed: 0,
                 unplayed: 0,
                 different: 0,
                 requests_recorded: 0,

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use backseat_core::plugin::{FaultKind, Judge, PluginFault, PluginId, Request, Returned, StepInput, Version};
 use backseat_core::{Input, Restarted};
 use backseat_mission::{Mission, PluginTable};
-use backseat_plugin_host::{PANICKED, Plugin, Seat};
+use backseat_plugin_host::{NextRestart, PANICKED, Plugin, Seat};
 use backseat_plugin_loader::{Components, LoadError};
 use backseat_recorder::{Message, encode_input};
 use backseat_units::{EastNorth, Timestamp};
@@ -156,7 +156,18 @@ impl Member {
             self.report.unplayed += 1;
             return Ok(None);
         }
-        self.report.restarts += 1;
+        let takes_over = match self.plugin.as_ref().map(Seat::next_restart) {
+            Some(NextRestart::TakesOver) => true,
+            Some(NextRestart::BringsBack) => {
+                self.report.swaps_failed += 1;
+                false
+            }
+            Some(NextRestart::Begins) | None => {
+                self.report.restarts += 1;
+                false
+            }
+        };
+        self.report.swaps_failed += u64::from(takes_over && recorded.result.is_err());
         if order.is_none_or(|order| order.step.is_some()) {
             self.report.different += 1;
             return Ok(Some(self.restart_difference(message, "no restart".to_owned(), b"{}")));

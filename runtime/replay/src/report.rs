@@ -86,10 +86,12 @@ pub struct PluginReport {
     pub component: Component,
     /// How many steps were compared.
     pub steps: u64,
-    /// How many restarts were compared.
+    /// How many restarts after a failure were compared.
     pub restarts: u64,
     /// How many versions the operator put in its place.
     pub swaps: u64,
+    /// How many of these could not take over, or failed on trial, so that the version before stayed or came back.
+    pub swaps_failed: u64,
     /// How many steps and restarts could not be compared, because a simulation had put another plugin in its place.
     pub unplayed: u64,
     /// In how many steps and restarts it differs. If it takes the place of another plugin, only what it asks for and
@@ -218,6 +220,7 @@ impl PluginReport {
             steps,
             restarts,
             swaps,
+            swaps_failed,
             different,
             ..
         } = self;
@@ -232,10 +235,13 @@ impl PluginReport {
         };
         let mut line = format!("{name}{from}{config}: {steps} steps");
         if *restarts > 0 {
-            line.push_str(&format!(" and {restarts} restarts"));
+            line.push_str(&format!(", restarts: {restarts}"));
         }
         if *swaps > 0 {
-            line.push_str(&format!(", swapped {swaps} times"));
+            line.push_str(&format!(", swaps: {swaps}"));
+        }
+        if *swaps_failed > 0 {
+            line.push_str(&format!(" ({swaps_failed} failed)"));
         }
         match (component.other, different) {
             (false, 0) => line.push_str(", all identical"),

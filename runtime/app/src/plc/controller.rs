@@ -13,6 +13,7 @@ use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
 use super::disk::{Disk, Folder, Report};
 use crate::clock::Clock;
+use crate::output::escaped;
 use crate::peer::{Heard, Peer, listen};
 
 /// The pause after a client could not be accepted, for example when no file descriptor is left.
@@ -273,7 +274,8 @@ impl Controller {
             self.clients.remove(&id);
         }
         while let Some(event) = self.plc.poll_event() {
-            self.lines.push_back((event.at, printable(&event.kind.to_string())));
+            self.lines
+                .push_back((event.at, escaped(&event.kind.to_string(), char::is_control)));
         }
         for (id, client) in &mut self.clients {
             if client.permit.is_some() && self.plc.reads(*id) {
@@ -344,16 +346,4 @@ impl Controller {
         }
         Ok(())
     }
-}
-
-/// What clients wrote, without characters that would move a terminal's cursor.
-fn printable(text: &str) -> String {
-    let escape = |character: char| {
-        if character.is_control() {
-            character.escape_default().to_string()
-        } else {
-            character.to_string()
-        }
-    };
-    text.chars().map(escape).collect()
 }

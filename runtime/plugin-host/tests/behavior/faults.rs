@@ -4,7 +4,7 @@ use backseat_plugin_host::Budget;
 use crate::fixture::{fault_kind, faulty, input, only_modify, template};
 
 /// Every fault that loses the instance, with its kind.
-const LOST: [(&str, FaultKind); 8] = [
+const LOST: [(&str, FaultKind); 9] = [
     ("trap", FaultKind::Trap),
     ("loop", FaultKind::OutOfFuel),
     ("grow", FaultKind::Memory),
@@ -13,6 +13,7 @@ const LOST: [(&str, FaultKind); 8] = [
     ("nine_frames", FaultKind::TooMuch),
     ("long_frame", FaultKind::TooMuch),
     ("long_topside", FaultKind::TooMuch),
+    ("recursion", FaultKind::Trap),
 ];
 
 /// A budget with room for everything that the faults do.
@@ -38,6 +39,14 @@ fn each_fault_is_reported_by_its_kind_and_takes_the_whole_budget() {
             "{fault}: {text}"
         );
     }
+}
+
+#[test]
+fn recursion_without_end_is_told_as_what_it_is() {
+    let returned = faulty("recursion", 0, roomy()).step(&input(0));
+    let fault = returned.result.expect_err("its stack has an end");
+    assert_eq!(fault.kind, FaultKind::Trap);
+    assert!(fault.text.contains("as recursion without end does"), "{}", fault.text);
 }
 
 #[test]

@@ -151,6 +151,7 @@ macro_rules! faults {
 
 faults! { STEERS isobath_steers:
     a_plugin_that_panics "trap" "Trap";
+    a_plugin_that_calls_itself_without_end "recursion" "Trap";
     a_plugin_that_never_returns "loop" "OutOfFuel";
     a_plugin_that_takes_all_memory "grow" "Memory";
     a_plugin_that_floods_with_requests "flood" "TooMuch";

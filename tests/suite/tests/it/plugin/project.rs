@@ -86,9 +86,17 @@ fn a_new_plugin_passes_its_tests_and_flies_and_one_that_is_wrong_does_not() {
         "{checked}"
     );
 
-    // A plugin that panics, although its mission expects nothing about that.
     let source = folder.join("src/lib.rs");
     let text = fs::read_to_string(&source).unwrap();
+    // A plugin that panics before it can say anything about itself.
+    let describe = "fn describe() -> Description {";
+    let panics = format!("{describe}\n        assert!(std::hint::black_box(false), \"no name yet\");");
+    fs::write(&source, text.replace(describe, &panics)).unwrap();
+    let _built = run(&folder, &["build"]).exit(0);
+    let undescribed = run(&folder, &["inspect"]).exit(1);
+    assert!(undescribed.stdout.contains("no name yet"), "{undescribed}");
+
+    // A plugin that panics, although its mission expects nothing about that.
     let panics = "self.tag += 1;\n        assert!(self.tag != 50, \"the fiftieth request\");";
     fs::write(&source, text.replace("self.tag += 1;", panics)).unwrap();
     let panicked = run(&folder, &["test", "--seeds", "1"]).exit(1);

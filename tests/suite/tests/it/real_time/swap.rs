@@ -129,7 +129,12 @@ fn versions_take_over_in_the_middle_of_a_lease_and_the_dive_is_replayed() {
     let gap_s = worst_gap_s(&log);
     assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB");
     let report = replayed(&path);
-    assert_eq!(report["plugins"][0]["swaps"], 2, "{report}");
+    let counts = |key: &str| report["plugins"][0][key].as_u64();
+    assert_eq!(
+        ["swaps", "swaps_failed", "restarts"].map(counts),
+        [Some(2), Some(0), Some(0)],
+        "{report}"
+    );
     let passed = format!(
         "pilot: version 0.1.0 ({}) has passed its trial of 2 steps",
         &hash(&next)[..12]
@@ -193,7 +198,12 @@ fn gives_way(heading_deg: f64, why: &str) {
     let gap_s = worst_gap_s(&log);
     assert!(gap_s < 1.5, "{gap_s:.3} s without BPRMB: {}", vehicle.story());
     let report = replayed(&path);
-    assert_eq!(report["plugins"][0]["swaps"], 1, "{report}");
+    let counts = |key: &str| report["plugins"][0][key].as_u64();
+    assert_eq!(
+        ["swaps", "swaps_failed", "restarts"].map(counts),
+        [Some(1), Some(1), Some(0)],
+        "{report}"
+    );
     let line = format!(
         "pilot: version 0.2.0 ({}) did not pass its trial, and the version before is back",
         &hash(&fickle())[..12]

@@ -3,8 +3,8 @@ use std::time::Duration;
 
 use crate::limits::{Limits, seconds};
 use crate::moment::Moment;
-use crate::time_of_day::{Echo, TimeOfDay};
-use crate::wire::{Ours, Request};
+use crate::time_of_day::TimeOfDay;
+use crate::wire::{Answer, Ours, Outcome, Request};
 
 /// For so long after a command left, its answer in time proves that the vehicle hears us.
 const SPEAKS_FOR: Duration = Duration::from_secs(3);
@@ -48,7 +48,7 @@ pub(crate) struct Heartbeat {
     unread: Vec<Moment>,
     /// The record has a gap until this time.
     unseen_until: Option<Moment>,
-    /// The vehicle has answered a BPSTS of this process.
+    /// The vehicle has answered a BPSTS of this process otherwise than by refusing it.
     status_is_answered: bool,
 }
 
@@ -112,7 +112,8 @@ impl Heartbeat {
 
     /// The vehicle answered a command. Returns the earliest time at which that command can have left, if it is certain.
     /// `stopped` is true while the runtime is stopped; it reads the answer when it continues.
-    pub(crate) fn answered(&mut self, at: Moment, command: [u8; 3], echo: Echo, stopped: bool) -> Option<Moment> {
+    pub(crate) fn answered(&mut self, at: Moment, answer: &Answer, stopped: bool) -> Option<Moment> {
+        let (command, echo) = (answer.command, answer.command_created);
         let mut earliest = None;
         let left = if command == *b"LOG" {
             // If the vehicle answers the early BPLOG too, each answer belongs to the BPLOG before.
@@ -141,7 +142,9 @@ impl Heartbeat {
         match left {
             Some(left) if stopped && self.unread.len() < Self::TRIPS_MAX => self.unread.push(left),
             Some(left) if !stopped => {
-                self.status_is_answered |= command == *b"STS";
+                // A vehicle that does not answer BPSTS may refuse one (SPI 6.21).
+                let usual = matches!(answer.outcome, Outcome::Succeeded | Outcome::Pending);
+                self.status_is_answered |= command == *b"STS" && usual;
                 self.trip(left, at);
             }
             Some(_) | None => {}

@@ -8,7 +8,7 @@ use wasmtime::{ResourceLimiter, Store, StoreContextMut, Trap};
 use crate::error::one_line;
 use crate::interface::Exports;
 use crate::measures::Published;
-use crate::plugin::DEADLINE;
+use crate::plugin::{DEADLINE, SNAPSHOT_BYTES};
 use crate::{Budget, Component};
 
 /// Fuel for a log line, plus one unit for each of its bytes.
@@ -269,7 +269,11 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
             state.fuel
         ),
         FaultKind::Deadline => DEADLINE.to_owned(),
-        FaultKind::TooMuch => "passed more bytes to the host than one call may".to_owned(),
+        FaultKind::TooMuch => format!(
+            "passed more to the host than one call may: {} KiB, or {} KiB in a snapshot",
+            CALL_BYTES >> 10,
+            SNAPSHOT_BYTES >> 10
+        ),
         FaultKind::Memory => {
             let refused = state.limits.refused.map(|refused| state.limits.describe(refused));
             cut(&format!("{}: {text}", refused.unwrap_or_default())).to_owned()

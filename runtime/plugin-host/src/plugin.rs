@@ -14,7 +14,7 @@ use crate::v0_2_0::bindings::backseat::plugin::mission::Briefing;
 use crate::{Brief, Budget, Component, HostError, v0_2_0};
 
 /// The largest snapshot, bytes.
-const SNAPSHOT_BYTES: usize = 1 << 20;
+pub(crate) const SNAPSHOT_BYTES: usize = 1 << 20;
 
 /// The text of the fault of a plugin whose host has panicked on the thread that runs it. The plugin is not used again.
 pub const PANICKED: &str = "its thread has panicked";

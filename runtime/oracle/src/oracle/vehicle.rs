@@ -110,7 +110,7 @@ impl Oracle {
     fn answered(&mut self, at: Moment, answer: &Answer) {
         let created = answer.command_created;
         let (command, identifier) = (answer.command, answer.identifier);
-        let left = self.heartbeat.answered(at, command, created, self.process.is_stopped());
+        let left = self.heartbeat.answered(at, answer, self.process.is_stopped());
         match left.filter(|_| !self.process.is_stopped()) {
             Some(left) => {
                 if let Some(flaw) = self.clock.answered(left, at, answer.created) {
@@ -125,7 +125,7 @@ impl Oracle {
         let taken = match answer.outcome {
             Outcome::Succeeded => true,
             Outcome::Invalid | Outcome::Failed => false,
-            Outcome::Pending => return,
+            Outcome::Pending | Outcome::Other => return,
         };
         let unreadable = answer.outcome == Outcome::Invalid && identifier.is_none() && answer.command_created.is_none();
         let caps = &self.limits.caps;

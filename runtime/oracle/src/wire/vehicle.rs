@@ -125,8 +125,10 @@ pub enum Outcome {
     Failed,
     /// 2: the vehicle did it.
     Succeeded,
-    /// 3, or a code of a later version: not decided yet.
+    /// 3: not decided yet.
     Pending,
+    /// A code of a later version.
+    Other,
 }
 
 /// Reads a sentence of the vehicle, which begins with its dollar sign. `None` if its checksum is wrong, if a field that
@@ -212,7 +214,8 @@ fn answer<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
         0 => Outcome::Invalid,
         1 => Outcome::Failed,
         2 => Outcome::Succeeded,
-        _ => Outcome::Pending,
+        3 => Outcome::Pending,
+        _ => Outcome::Other,
     };
     Ok(Said::Answer(Answer {
         created,

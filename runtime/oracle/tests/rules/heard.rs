@@ -119,6 +119,20 @@ fn requirement_023_an_irrevocable_request_waits_for_the_answers_to_earlier_comma
     let other = Scenario::with_control().beats_take(60_000).ours(3900, "BPMSG,{t},well");
     let other = other.vehicle(3910, &format!("BFACK,{{t}},MSG,{},0,2,0,ok", stamp(3900)));
     other.ours(4100, INTERRUPT).finds_nothing();
+    // It refused one, or said what no version knows, which does not show that it answers BPSTS at other times.
+    let once = |status: u8| {
+        let run = Scenario::with_control().beats_take(60_000);
+        let run = run.vehicle(2100, &format!("BFACK,{{t}},STS,{},0,{status},0,said", stamp(2055)));
+        let run = run.ours(3900, "BPMSG,{t},well");
+        let run = run.vehicle(3910, &format!("BFACK,{{t}},MSG,{},0,2,0,ok", stamp(3900)));
+        run.ours(4100, INTERRUPT)
+    };
+    for refusal in [0, 1, 7] {
+        once(refusal).finds_nothing();
+    }
+    for answer in [2, 3] {
+        once(answer).finds(&["unheard"]);
+    }
 }
 
 #[test]

@@ -219,7 +219,8 @@ fn spi_heard(line: &str) -> Option<Heard> {
                 AckStatus::Invalid => Outcome::Invalid,
                 AckStatus::Failed => Outcome::Failed,
                 AckStatus::Succeeded => Outcome::Succeeded,
-                AckStatus::Pending | AckStatus::Other(_) => Outcome::Pending,
+                AckStatus::Pending => Outcome::Pending,
+                AckStatus::Other(_) => Outcome::Other,
             };
             format!("answer {} {:?} {outcome:?}", it.command, id(it.behavior))
         }

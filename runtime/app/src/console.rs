@@ -12,6 +12,7 @@ use clap::Args;
 use tokio::sync::mpsc::Receiver;
 use tracing::{error, info};
 
+use crate::service::{is_managed, may_pass};
 use crate::state::State;
 
 /// Where the console is if no address is given.
@@ -116,9 +117,25 @@ impl ConsoleArguments {
             (Some(address), ..) => Some(Listener::open(address)),
         };
         Ok(Console {
-            page: listener.transpose().context("--console")?,
-            viewers: self.foxglove.map(Port::open).transpose().context("--foxglove")?,
+            page: opened(listener, "--console")?,
+            viewers: opened(self.foxglove.map(Port::open), "--foxglove")?,
         })
+    }
+}
+
+/// The port of an option. Nobody is there to give a service another port, so it goes on without what only shows it:
+/// otherwise whoever takes the port while it starts again would end the steering.
+fn opened<T, E>(port: Option<Result<T, E>>, option: &'static str) -> Result<Option<T>>
+where
+    E: std::error::Error + Send + Sync + 'static,
+{
+    let port = port.transpose().context(option);
+    match port {
+        Err(why) if is_managed() && why.chain().any(may_pass) => {
+            error!("the run goes on without {option}: {:#}", why);
+            Ok(None)
+        }
+        port => port,
     }
 }
 

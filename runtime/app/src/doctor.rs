@@ -90,8 +90,11 @@ pub(crate) fn doctor(arguments: &Doctor) -> Result<bool> {
     findings.push(room("room for logs", &arguments.log, arguments.log_room.into()));
     match State::folder_of(arguments.state.as_deref(), &mission) {
         Ok(folder) => {
-            findings.push(room("room for state", &folder, STATE_ROOM));
-            findings.push(private(&folder));
+            let room = room("room for state", &folder, STATE_ROOM);
+            // What cannot be made has said so.
+            let is_possible = folder.exists() || room.word != Word::Bad;
+            findings.push(room);
+            findings.extend(is_possible.then(|| private(&folder)));
         }
         Err(error) => findings.push(Finding::new("state", Word::Bad, format!("{error:#}"))),
     }

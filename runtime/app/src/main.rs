@@ -70,8 +70,9 @@ use std::panic::UnwindSafe;
 use std::process::ExitCode;
 
 use backseat_mission::with_suggestion;
-use backseat_reference::{MET, PANICKED, UNMET, UNUSABLE};
+use backseat_reference::{MET, PANICKED, STOPPED, UNMET, UNUSABLE};
 use clap::Parser;
+use tracing_subscriber::Layer as _;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
@@ -96,15 +97,20 @@ fn program() -> ExitCode {
     let told = std::env::var("BACKSEAT_LOG")
         .ok()
         .and_then(|directives| directives.parse().ok());
+    let lines = tracing_subscriber::fmt::layer()
+        .with_writer(terminal::ByLevel)
+        // The subscriber's own errors would go to `eprintln!`, which panics where standard error is closed.
+        .log_internal_errors(false)
+        .with_ansi(std::io::stderr().is_terminal())
+        .with_target(false);
+    // The journal has a time of its own for each line.
+    let lines = if terminal::is_journal() {
+        lines.without_time().boxed()
+    } else {
+        lines.boxed()
+    };
     tracing_subscriber::registry()
-        .with(
-            tracing_subscriber::fmt::layer()
-                .with_writer(|| terminal::Lines)
-                // The subscriber's own errors would go to `eprintln!`, which panics where standard error is closed.
-                .log_internal_errors(false)
-                .with_ansi(std::io::stderr().is_terminal())
-                .with_target(false),
-        )
+        .with(lines)
         .with(told.unwrap_or_else(|| {
             // What a library says of its connections to viewers is no news of the dive.
             Targets::new()
@@ -117,7 +123,7 @@ fn program() -> ExitCode {
         Command::Sim(arguments) => sim::sim(arguments),
         #[cfg(feature = "simulation")]
         Command::Campaign(arguments) => return ended(campaign::campaign(arguments)),
-        Command::Run(arguments) => run::run(arguments),
+        Command::Run(arguments) => return run_ended(run::run(arguments)),
         #[cfg(feature = "simulation")]
         Command::Fly(arguments) => fly::fly(arguments),
         #[cfg(feature = "simulation")]
@@ -145,10 +151,17 @@ fn ended(result: anyhow::Result<u8>) -> ExitCode {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             // One line: what, where, what to do. Plugins have their own readers of their settings.
-            terminal::tell(&format!("error: {}", with_suggestion(&one_line(&error))));
+            terminal::tell_error(&format!("error: {}", with_suggestion(&one_line(&error))));
             ExitCode::from(UNUSABLE)
         }
     }
+}
+
+/// A service that is refused as it was given stays down, but what is around it may pass in mid-dive.
+fn run_ended(result: anyhow::Result<bool>) -> ExitCode {
+    let passes = result.as_ref().is_err_and(|error| error.chain().any(service::may_pass));
+    let code = ended(result.map(|met| if met { MET } else { UNMET }));
+    if passes { ExitCode::from(STOPPED) } else { code }
 }
 
 /// An error and its causes in one line, without the causes that the text already contains.

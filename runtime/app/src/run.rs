@@ -213,6 +213,10 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         );
     }
     recorder.record(Timestamp::ZERO, |recorder| recorder.start(&start));
+    if start.held {
+        let text = format!("hold: it was set before the start ({})", state.hold_path().display());
+        recorder.record(Timestamp::ZERO, |recorder| recorder.asked(Timestamp::ZERO, &text));
+    }
     if let Some(signed) = signed {
         info!("locked: {signed}");
         let text = format!("locked: {signed}");

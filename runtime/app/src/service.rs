@@ -4,6 +4,7 @@
 //! Only the loop that serves core calls this. A loop that is stuck therefore does not feed the watchdog, and the
 //! service manager restarts it (safety requirement 007: meanwhile the vehicle steers itself, by its own clock).
 
+use std::error::Error;
 use std::io;
 use std::os::linux::net::SocketAddrExt as _;
 use std::os::unix::net::{SocketAddr, UnixDatagram};
@@ -17,6 +18,25 @@ const SLIP: Duration = Duration::from_millis(50);
 /// A wake-up that is later than this has ended every lease.
 const LATE: Duration = Duration::from_millis(500);
 const TELL_EVERY: Duration = Duration::from_secs(60);
+
+/// Whether a service manager has started this process, and would start it again. Then nobody waits for its answer.
+pub(crate) fn is_managed() -> bool {
+    std::env::var_os("NOTIFY_SOCKET").is_some_and(|address| !address.is_empty())
+}
+
+/// Whether the same may succeed later without anybody's doing: a port is taken, a disk is full or read-only.
+pub(crate) fn may_pass(error: &(dyn Error + 'static)) -> bool {
+    error.downcast_ref::<io::Error>().is_some_and(|error| {
+        matches!(
+            error.kind(),
+            io::ErrorKind::AddrInUse
+                | io::ErrorKind::AddrNotAvailable
+                | io::ErrorKind::StorageFull
+                | io::ErrorKind::QuotaExceeded
+                | io::ErrorKind::ReadOnlyFilesystem
+        )
+    })
+}
 
 /// The service manager, where there is one.
 pub(crate) struct Service {

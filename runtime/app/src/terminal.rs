@@ -2,12 +2,18 @@
 //! closed terminal delays nothing. Lines that find no room are dropped and counted, and the count is printed when there
 //! is room again.
 
+use std::fs::File;
 use std::io::{self, Write};
+use std::os::fd::AsFd as _;
+use std::os::unix::fs::MetadataExt as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::Duration;
+
+use tracing::{Level, Metadata};
+use tracing_subscriber::fmt::MakeWriter;
 
 use crate::aside;
 
@@ -34,13 +40,29 @@ enum Entry {
     Mark(SyncSender<()>),
 }
 
-/// Writes into the queue, for `tracing`'s subscriber: each write is one line.
+/// The queue, for `tracing`'s subscriber.
 #[derive(Debug)]
-pub(crate) struct Lines;
+pub(crate) struct ByLevel;
+
+/// Writes lines of one level into the queue: each write is one line.
+#[derive(Debug)]
+pub(crate) struct Lines(Level);
+
+impl<'a> MakeWriter<'a> for ByLevel {
+    type Writer = Lines;
+
+    fn make_writer(&'a self) -> Lines {
+        Lines(Level::INFO)
+    }
+
+    fn make_writer_for(&'a self, metadata: &Metadata<'_>) -> Lines {
+        Lines(*metadata.level())
+    }
+}
 
 impl Write for Lines {
     fn write(&mut self, line: &[u8]) -> io::Result<usize> {
-        put(line.to_vec());
+        put(with_priority(self.0, line));
         Ok(line.len())
     }
 
@@ -54,12 +76,40 @@ pub(crate) fn tell(text: &str) {
     put(format!("{text}\n").into_bytes());
 }
 
+/// Like [`tell`], of what ends the program.
+pub(crate) fn tell_error(text: &str) {
+    put(with_priority(Level::ERROR, format!("{text}\n").as_bytes()));
+}
+
+/// Whether standard error is the stream that systemd has connected to its journal (`JOURNAL_STREAM` of systemd.exec(5)).
+pub(crate) fn is_journal() -> bool {
+    static JOURNAL: OnceLock<bool> = OnceLock::new();
+    *JOURNAL.get_or_init(|| {
+        let named = std::env::var("JOURNAL_STREAM").unwrap_or_default();
+        let stream = io::stderr().as_fd().try_clone_to_owned();
+        let about = stream.and_then(|stream| File::from(stream).metadata());
+        about.is_ok_and(|about| named == format!("{}:{}", about.dev(), about.ino()))
+    })
+}
+
+/// The line with its priority before it, as the journal reads it (sd-daemon(3)); elsewhere as it is.
+fn with_priority(level: Level, line: &[u8]) -> Vec<u8> {
+    let priority: &[u8] = match level {
+        _ if !is_journal() => b"",
+        Level::ERROR => b"<3>",
+        Level::WARN => b"<4>",
+        Level::INFO => b"<6>",
+        Level::DEBUG | Level::TRACE => b"<7>",
+    };
+    [priority, line].concat()
+}
+
 /// Takes over standard error and the messages of panics. Call this before anything is printed.
 pub(crate) fn start() {
     let _terminal = terminal();
     std::panic::set_hook(Box::new(|panic| {
         let thread = thread::current();
-        tell(&format!(
+        tell_error(&format!(
             "thread '{}' {panic}",
             thread.name().unwrap_or("without a name")
         ));

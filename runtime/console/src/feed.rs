@@ -6,6 +6,7 @@ use backseat_units::Timestamp;
 
 /// How the inputs of core begin of which the console makes something.
 const RETURNED: &[u8] = br#"{"input":"returned""#;
+const START: &[u8] = br#"{"input":"start""#;
 const LINK: &[u8] = br#"{"input":"link"#;
 pub(crate) const PING: &[u8] = br#"{"input":"sonar","report":"ping""#;
 pub(crate) const SONAR_EVENT: &[u8] = br#"{"input":"sonar","report":"event""#;
@@ -90,7 +91,7 @@ pub fn wants(topic: &str, data: &[u8]) -> bool {
     match topic {
         "/link/from_vehicle" | "/link/to_vehicle" | "/notes" | "/requests" | "/control" | "/navigation" | "/truth"
         | "/log" | "/map/plan" | "/map/reach" | "/map/inserts" | "/map/requests" => true,
-        "/core/input" => [RETURNED, LINK, PING, SONAR_EVENT]
+        "/core/input" => [RETURNED, START, LINK, PING, SONAR_EVENT]
             .iter()
             .any(|begins| data.starts_with(begins)),
         other => other.starts_with("/measures/") || other.starts_with("/sensors/"),

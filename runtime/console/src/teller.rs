@@ -303,12 +303,26 @@ impl Teller {
             plugin: Option<usize>,
             returned: Option<Returned>,
         }
+        #[derive(Deserialize)]
+        struct Start {
+            held: bool,
+        }
+        #[derive(Deserialize)]
+        struct Started {
+            start: Start,
+        }
         let Ok(input) = serde_json::from_slice::<Input>(data) else {
             return;
         };
         let (Some(plugin), Some(returned)) = (input.plugin, input.returned) else {
             if data.starts_with(br#"{"input":"link-down""#) {
                 self.link.went_down();
+            }
+            if let Ok(Started { start }) = serde_json::from_slice(data)
+                && start.held
+            {
+                let (act, who) = ("hold".to_owned(), None);
+                tell(t, Item::Operator { act, who }, true);
             }
             return;
         };

@@ -13,7 +13,7 @@ pub const MET: u8 = 0;
 pub const UNMET: u8 = 1;
 /// The command could not do its work.
 pub const UNUSABLE: u8 = 2;
-/// Stopped before its end, by a signal or by its own time: EX_TEMPFAIL of `sysexits.h`.
+/// The same command may do it later: EX_TEMPFAIL of `sysexits.h`.
 pub const STOPPED: u8 = 75;
 /// A fault of the program itself: the code that Rust gives a panic.
 pub const PANICKED: u8 = 101;
@@ -44,7 +44,8 @@ pub const EXITS: [Exit; 5] = [
     Exit {
         code: STOPPED,
         meaning: "`campaign`: stopped before its end by Ctrl-C, SIGTERM or `--stop-after`. What was flown is kept; the same \
-                  command goes on.",
+                  command goes on. `run`: could not begin because of what is around it, which may pass: a disk that is full or \
+                  read-only, a port that another program has. A service tries again.",
     },
     Exit {
         code: PANICKED,

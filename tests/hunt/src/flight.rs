@@ -16,6 +16,7 @@ use backseat_recorder::{Header, Rate, Recorder, Sources};
 use backseat_scenario::Scenario;
 use backseat_sim::{Report, Simulation, Step};
 use backseat_units::Timestamp;
+use sha2::{Digest as _, Sha256};
 use tempfile::TempDir;
 
 use crate::excuse::none_is_left;
@@ -203,6 +204,8 @@ struct Flown<'a> {
     none_since: Option<Timestamp>,
     /// Until then the runtime is not running, and does not know what it misses.
     away_until: Timestamp,
+    /// SHA-256 of the component that flies, hexadecimal, if the flight has a log: a replay finds a swap's version by it.
+    sha256: String,
 }
 
 impl<'a> Flown<'a> {
@@ -237,6 +240,11 @@ impl<'a> Flown<'a> {
             )?),
             None => None,
         };
+        let flies = loaded.components.iter().find(|(name, _)| name == SWAPS[0]);
+        let sha256 = flies.filter(|_| log.is_some()).map_or_else(String::new, |(_, bytes)| {
+            let hash = Sha256::digest(bytes);
+            hash.iter().map(|byte| format!("{byte:02x}")).collect()
+        });
         let simulation = Simulation::new(mission, scenario, plan.seed, loaded, recorder)?;
         let mut flown = Self {
             components,
@@ -255,6 +263,7 @@ impl<'a> Flown<'a> {
             converged: false,
             none_since: None,
             away_until: Timestamp::ZERO,
+            sha256,
         };
         for planned in &plan.faults {
             if let Come::At(at) = planned.come {
@@ -378,15 +387,15 @@ impl<'a> Flown<'a> {
             }
             Fault::Swap { slot, to, trial_steps } => {
                 self.none_since = None;
-                let table = if to == SWAPS[0] {
-                    self.mission.file.plugins[slot].clone()
+                let (table, sha256) = if to == SWAPS[0] {
+                    (self.mission.file.plugins[slot].clone(), self.sha256.clone())
                 } else {
-                    self.bad(slot, "trap")?
+                    (self.bad(slot, "trap")?, String::new())
                 };
                 let ready = self.components.start_one(&to, &table, self.mission)?;
                 let version = Version {
                     version: to,
-                    sha256: String::new(),
+                    sha256,
                     trial_steps,
                 };
                 self.simulation.swap(PluginId(slot), ready, version);

@@ -48,6 +48,8 @@ struct Report {
     control_lost: Vec<Lost>,
     /// Since when it had no control at the end; 0 if it never had. `None` if it had control until the end.
     without_control_from_s: Option<f64>,
+    /// Why it has no control at the end, as it told the vehicle (BPSTS).
+    without_control_because: Option<String>,
     /// What was asked for, by owner.
     asked: BTreeMap<String, Asked>,
     /// What was refused, the most frequent first.
@@ -151,6 +153,13 @@ pub(super) fn report(arguments: &LogReport) -> Result<bool> {
     })
 }
 
+/// The text of a BPSTS: while there is no control, it is why (SPI 7.2).
+fn status(bytes: &[u8]) -> Option<String> {
+    let sentence = std::str::from_utf8(bytes).ok()?.rsplit_once("$BPSTS,")?.1;
+    let text = sentence.splitn(3, ',').nth(2)?;
+    Some(text.split('*').next()?.to_owned()).filter(|text| !text.is_empty())
+}
+
 fn text(value: &Value, key: &str) -> String {
     value[key].as_str().unwrap_or_default().to_owned()
 }
@@ -167,6 +176,7 @@ impl Report {
             seconds: log.entries.last().map_or(0.0, |entry| entry.now.as_secs_f64()),
             complete: log.complete,
             without_control_from_s: Some(0.0),
+            without_control_because: None,
             ..Self::default()
         };
         let mut collect = Collect {
@@ -222,9 +232,11 @@ impl Report {
 
     /// Why control was lost, and whether it came again.
     fn control_words(&self) -> impl Iterator<Item = String> {
+        let because = self.without_control_because.as_ref();
+        let because = because.map_or_else(String::new, |because| format!(": {because}"));
         let end = self.without_control_from_s.map(|from_s| match from_s {
-            0.0 => "no control at any time: `run` says why on standard error".to_owned(),
-            _ => format!("no control from {from_s:.1} s to the end"),
+            0.0 => format!("no control at any time{because}"),
+            _ => format!("no control from {from_s:.1} s to the end{because}"),
         });
         self.control_lost.iter().map(Lost::line).chain(end)
     }
@@ -360,6 +372,7 @@ impl Collect<'_> {
                 if control["granted"] == true {
                     self.granted.get_or_insert(at_s);
                     self.report.without_control_from_s = None;
+                    self.report.without_control_because = None;
                 } else if let Some(since_s) = self.granted.take() {
                     self.report.control_s += at_s - since_s;
                     self.lost(at_s, text(control, "reason"));
@@ -377,6 +390,11 @@ impl Collect<'_> {
                 if let Some((before, true)) = self.swapped_to.insert(plugin.0 as u64, (version, on_trial)) {
                     let text = format!("{name}: version {before} was on trial, and the next one comes in its place");
                     self.happened(at_s, text);
+                }
+            }
+            Record::Sent(bytes) if self.granted.is_none() => {
+                if let Some(status) = status(bytes) {
+                    self.report.without_control_because = Some(status);
                 }
             }
             Record::Input(_)

@@ -149,6 +149,8 @@ impl Desk {
         for setup in &self.setups {
             let _none = fs::remove_file(Files::of(&self.folder, &setup.name).order);
         }
+        // Where the folder cannot be read, that is told once.
+        let mut ignored: Vec<Option<String>> = self.setups.iter().map(|_| None).collect();
         loop {
             crate::clock::pause(LOOK_EVERY);
             if news.is_closed() {
@@ -158,12 +160,17 @@ impl Desk {
                 self.answer(&self.setups[plugin.0].name, &answer);
             }
             for (index, setup) in self.setups.iter().enumerate() {
-                match self.take(&setup.name) {
+                let taken = self.take(&setup.name);
+                let before = ignored[index].take();
+                match taken {
                     Ok(None) => {}
                     Err(error) => {
                         let text = format!("{}: order to swap ignored: {error:#}", setup.name);
-                        warn!("{text}");
-                        let _ended = news.send(News::Refused(text));
+                        if before.as_ref() != Some(&text) {
+                            warn!("{text}");
+                            let _ended = news.send(News::Refused(text.clone()));
+                        }
+                        ignored[index] = Some(text);
                     }
                     Ok(Some(order)) => {
                         let number = order.number;

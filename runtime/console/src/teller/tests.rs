@@ -82,6 +82,19 @@ fn an_acknowledgement_is_a_round_trip_and_a_lease_is_steering() {
 }
 
 #[test]
+fn a_hold_before_the_start_is_told() {
+    for held in [true, false] {
+        let start = format!(r#"{{"input":"start","start":{{"utc":0,"armed":true,"held":{held},"jitter":1}}}}"#);
+        let items = told(&mut teller(), &[(0, "/core/input", &start)]);
+        let hold = Item::Operator {
+            act: "hold".to_owned(),
+            who: None,
+        };
+        assert_eq!(items.contains(&(hold, true)), held, "{items:?}");
+    }
+}
+
+#[test]
 fn a_hold_has_its_name_and_a_loss_of_control_its_newest_reason() {
     let status = |text: &str| sentence(&format!("BPSTS,081020.500,1,{text}"));
     let items = told(

@@ -96,7 +96,10 @@ fn the_page_is_one_file_that_loads_nothing_and_runs_nothing() {
         .exit(0);
     assert!(told.stdout.contains("asked for\n"), "{told}");
     assert!(told.stdout.contains("  control lost 1 x: "), "{told}");
-    assert!(told.stdout.contains(" s to the end\n"), "{told}");
+    assert!(
+        told.stdout.contains(" s to the end: the vehicle has control\n"),
+        "{told}"
+    );
     assert!(told.stdout.contains("refused\n"), "{told}");
     let html = std::fs::read_to_string(page).unwrap();
     assert!(html.starts_with("<!DOCTYPE html>"), "{html}");

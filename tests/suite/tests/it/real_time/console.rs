@@ -266,3 +266,76 @@ fn a_run_goes_on_without_a_console_where_its_token_has_no_room() {
     process.says("no console, the run goes on without", SOON);
     vehicle.hears("BPRMB", 3, SOON);
 }
+
+#[test]
+fn sr_015_a_hold_before_the_start_is_shown_and_reported() {
+    let mission = Mission::steady();
+    let vehicle = Scripted::start(Behavior::default());
+    std::fs::create_dir_all(mission.beside("state")).expect("there is room");
+    std::fs::write(mission.beside("state/hold"), "").expect("there is room");
+    let mut process = runtime(&mission, &vehicle.address, &["--arm", "--console=127.0.0.1:0"]);
+    let console = address(&process);
+    eventually(
+        SOON,
+        || {
+            let held = get(&console, "/metrics").contains("\nbackseat_operator_hold 1");
+            held.then_some(())
+        },
+        || get(&console, "/metrics"),
+    );
+    vehicle.hears("BPSTS", 3, SOON);
+    process.signal(backseat_suite::Signal::INT);
+    assert_eq!(process.wait(SOON), Some(0), "{}", process.stderr());
+    assert!(vehicle.heard("BPRMB").is_empty());
+    let log = std::fs::read_dir(mission.beside("logs")).expect("it has a log").next();
+    let log = log.expect("one").expect("it can be read").path();
+    let told = Backseat::new().args(["log", "report"]).arg(&log).run().exit(0).stdout;
+    for line in [
+        "operator: hold: it was set before the start",
+        "no control at any time: the operator's hold is set",
+    ] {
+        assert!(told.contains(line), "{line}: {told}");
+    }
+}
+
+#[test]
+fn a_service_goes_on_without_a_console_whose_port_is_taken() {
+    let mission = Mission::steady();
+    let vehicle = Scripted::start(Behavior::default());
+    let other = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let taken = format!("--console={}", other.local_addr().expect("it is bound"));
+    let begin = || {
+        let runtime = Backseat::new().args(["run", "--arm", "--connect", &vehicle.address, &taken]);
+        let runtime = runtime.arg("--log").arg(mission.beside("logs"));
+        runtime.arg("--state").arg(mission.beside("state")).mission(&mission)
+    };
+    // By hand, somebody can give another port; a script can try again.
+    let refused = begin().run().exit(75);
+    assert!(
+        refused.stderr.contains("error: --console: ") && refused.stderr.contains("give another port"),
+        "{refused}"
+    );
+    let process = begin().env("NOTIFY_SOCKET", "/nonexistent/notify").spawn();
+    process.says("ERROR the run goes on without --console: ", SOON);
+    vehicle.hears("BPRMB", 3, SOON);
+}
+
+#[test]
+fn lines_in_the_journal_have_their_priority() {
+    let mission = Mission::steady();
+    let path = mission.beside("journal");
+    let journal = std::fs::File::create(&path).expect("there is room");
+    let about = journal.metadata().expect("it is there");
+    let stream = {
+        use std::os::unix::fs::MetadataExt as _;
+        format!("{}:{}", about.dev(), about.ino())
+    };
+    let _refused = Backseat::new()
+        .args(["run", "--connect", "127.0.0.1:1", "--locked", "/nonexistent/ann.pub"])
+        .env("JOURNAL_STREAM", stream)
+        .stderr_to(journal)
+        .mission(&mission)
+        .run();
+    let told = std::fs::read_to_string(&path).expect("it is there");
+    assert!(told.starts_with("<3>error: "), "{told}");
+}

@@ -291,7 +291,7 @@ fn sr_015_a_hold_before_the_start_is_shown_and_reported() {
     let log = log.expect("one").expect("it can be read").path();
     let told = Backseat::new().args(["log", "report"]).arg(&log).run().exit(0).stdout;
     for line in [
-        "operator: hold: it was set before the start",
+        "hold: it was set before the start",
         "no control at any time: the operator's hold is set",
     ] {
         assert!(told.contains(line), "{line}: {told}");

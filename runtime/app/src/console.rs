@@ -129,13 +129,12 @@ fn opened<T, E>(port: Option<Result<T, E>>, option: &'static str) -> Result<Opti
 where
     E: std::error::Error + Send + Sync + 'static,
 {
-    let port = port.transpose().context(option);
-    match port {
+    match port.transpose().map_err(anyhow::Error::new) {
         Err(why) if is_managed() && why.chain().any(may_pass) => {
-            error!("the run goes on without {option}: {:#}", why);
+            error!("the run goes on without {option}: {why}");
             Ok(None)
         }
-        port => port,
+        port => port.context(option),
     }
 }
 

@@ -24,7 +24,8 @@ pub(crate) fn is_managed() -> bool {
     std::env::var_os("NOTIFY_SOCKET").is_some_and(|address| !address.is_empty())
 }
 
-/// Whether the same may succeed later without anybody's doing: a port is taken, a disk is full or read-only.
+/// Whether the same may succeed later without anybody's doing: a port is taken, an address is not there yet, a disk is full
+/// or read-only.
 pub(crate) fn may_pass(error: &(dyn Error + 'static)) -> bool {
     error.downcast_ref::<io::Error>().is_some_and(|error| {
         matches!(

@@ -45,7 +45,7 @@ pub const EXITS: [Exit; 5] = [
         code: STOPPED,
         meaning: "`campaign`: stopped before its end by Ctrl-C, SIGTERM or `--stop-after`. What was flown is kept; the same \
                   command goes on. `run`: could not begin because of what is around it, which may pass: a disk that is full or \
-                  read-only, a port that another program has. A service tries again.",
+                  read-only, a port that another program has, an address that this computer does not have. A service tries again.",
     },
     Exit {
         code: PANICKED,

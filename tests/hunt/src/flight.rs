@@ -204,8 +204,13 @@ struct Flown<'a> {
     none_since: Option<Timestamp>,
     /// Until then the runtime is not running, and does not know what it misses.
     away_until: Timestamp,
-    /// SHA-256 of the component that flies, hexadecimal, if the flight has a log: a replay finds a swap's version by it.
-    sha256: String,
+    /// SHA-256 of the component in each slot, hexadecimal, if the flight has a log: a replay finds a swap's version by it.
+    hashes: Vec<String>,
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    let hash = Sha256::digest(bytes);
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl<'a> Flown<'a> {
@@ -240,11 +245,8 @@ impl<'a> Flown<'a> {
             )?),
             None => None,
         };
-        let flies = loaded.components.iter().find(|(name, _)| name == SWAPS[0]);
-        let sha256 = flies.filter(|_| log.is_some()).map_or_else(String::new, |(_, bytes)| {
-            let hash = Sha256::digest(bytes);
-            hash.iter().map(|byte| format!("{byte:02x}")).collect()
-        });
+        let logged = loaded.components.iter().filter(|_| log.is_some());
+        let hashes = logged.map(|(_, bytes)| sha256(bytes)).collect();
         let simulation = Simulation::new(mission, scenario, plan.seed, loaded, recorder)?;
         let mut flown = Self {
             components,
@@ -263,7 +265,7 @@ impl<'a> Flown<'a> {
             converged: false,
             none_since: None,
             away_until: Timestamp::ZERO,
-            sha256,
+            hashes,
         };
         for planned in &plan.faults {
             if let Come::At(at) = planned.come {
@@ -388,7 +390,8 @@ impl<'a> Flown<'a> {
             Fault::Swap { slot, to, trial_steps } => {
                 self.none_since = None;
                 let (table, sha256) = if to == SWAPS[0] {
-                    (self.mission.file.plugins[slot].clone(), self.sha256.clone())
+                    let hash = self.hashes.get(slot).cloned().unwrap_or_default();
+                    (self.mission.file.plugins[slot].clone(), hash)
                 } else {
                     (self.bad(slot, "trap")?, String::new())
                 };

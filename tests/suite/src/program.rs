@@ -231,8 +231,22 @@ impl Finished {
     /// If the command did anything else.
     #[must_use]
     pub fn refusal(self) -> String {
-        // 75: what refuses may pass, such as a port that is taken.
-        assert!(matches!(self.code, Some(2 | 75)), "{self}");
+        self.refused_with(2)
+    }
+
+    /// The error message of a run that could not begin because of something that may pass, such as a port that is taken. It
+    /// must be one line, on standard error.
+    ///
+    /// # Panics
+    ///
+    /// If the command did anything else.
+    #[must_use]
+    pub fn refusal_for_now(self) -> String {
+        self.refused_with(75)
+    }
+
+    fn refused_with(self, code: i32) -> String {
+        assert_eq!(self.code, Some(code), "{self}");
         assert_eq!(self.stdout, "", "{self}");
         let line = self.stderr.trim_end();
         assert!(line.starts_with("error: ") && !line.contains('\n'), "one line\n{self}");

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use backseat_fence::Rfc3339;
 use backseat_recorder::{Log, LoggedInput, Record};
+use backseat_spi::{Sentence, ToVehicle};
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
@@ -153,11 +154,18 @@ pub(super) fn report(arguments: &LogReport) -> Result<bool> {
     })
 }
 
-/// The text of a BPSTS: while there is no control, it is why (SPI 7.2).
+/// The text of the last BPSTS that was sent: while there is no control, it is why (SPI 7.2).
 fn status(bytes: &[u8]) -> Option<String> {
-    let sentence = std::str::from_utf8(bytes).ok()?.rsplit_once("$BPSTS,")?.1;
-    let text = sentence.splitn(3, ',').nth(2)?;
-    Some(text.split('*').next()?.to_owned()).filter(|text| !text.is_empty())
+    let text = std::str::from_utf8(bytes).ok()?;
+    text.lines().rev().find_map(|line| {
+        let sentence = Sentence::parse(line.trim_end()).ok()?;
+        let Ok(ToVehicle::PayloadStatus(status)) = ToVehicle::decode(&sentence) else {
+            return None;
+        };
+        // What follows the semicolon is about the sonars.
+        let text = status.text.as_str().split(';').next()?.trim();
+        (!text.is_empty()).then(|| text.to_owned())
+    })
 }
 
 fn text(value: &Value, key: &str) -> String {

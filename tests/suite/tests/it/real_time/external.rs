@@ -94,7 +94,7 @@ fn an_address_that_is_taken_is_refused_at_the_start() {
         .arg(mission.beside("state"))
         .mission(&mission)
         .run()
-        .refusal();
+        .refusal_for_now();
     assert!(
         refusal.contains(&format!("external source `modem`: cannot listen on {address}")),
         "{refusal}"

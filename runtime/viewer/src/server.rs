@@ -36,12 +36,12 @@ pub enum ViewerError {
     )]
     Address(SocketAddr),
     /// The port is taken, for example.
-    #[error("{address}: {message}: give another port, or 0 for a free one")]
+    #[error("{address}: {source}: give another port, or 0 for a free one")]
     Listen {
         /// Where it should listen.
         address: SocketAddr,
         /// Why it cannot.
-        message: String,
+        source: io::Error,
     },
     /// No thread can be started.
     #[error("viewers cannot be served: {0}")]
@@ -70,10 +70,7 @@ impl Port {
             let address = listener.local_addr()?;
             Ok(Self { listener, address })
         });
-        opened.map_err(|error| ViewerError::Listen {
-            address,
-            message: error.to_string(),
-        })
+        opened.map_err(|source| ViewerError::Listen { address, source })
     }
 
     /// The address with its port.
@@ -105,7 +102,10 @@ pub fn serve(port: Port, name: &str, began_ns: u64) -> Result<Feed, ViewerError>
         .unwrap_or_else(|_| Err("its thread has panicked".to_owned()));
     match started {
         Ok(()) => Ok(feed),
-        Err(message) => Err(ViewerError::Listen { address, message }),
+        Err(message) => Err(ViewerError::Listen {
+            address,
+            source: io::Error::other(message),
+        }),
     }
 }
 

@@ -315,8 +315,13 @@ fn a_service_goes_on_without_a_console_whose_port_is_taken() {
         refusal.starts_with("error: --console: ") && refusal.contains("give another port"),
         "{refusal}"
     );
-    let process = begin().env("NOTIFY_SOCKET", "/nonexistent/notify").spawn();
+    let viewers = taken.replace("--console", "--foxglove");
+    let process = begin()
+        .args([viewers.as_str()])
+        .env("NOTIFY_SOCKET", "/nonexistent/notify")
+        .spawn();
     process.says("ERROR the run goes on without --console: ", SOON);
+    process.says("ERROR the run goes on without --foxglove: ", SOON);
     vehicle.hears("BPRMB", 3, SOON);
 }
 

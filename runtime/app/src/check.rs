@@ -211,6 +211,12 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     if let Some(key) = &arguments.sign {
         match &loaded {
             Some(loaded) if good => {
+                if mission.plan.is_none() {
+                    say!(
+                        "warning: mission.toml has no [plan], so the signature says nothing of the vehicle's own plan, and the \
+                         runtime steers beside any"
+                    );
+                }
                 let user = || std::env::var("USER").unwrap_or_else(|_| "somebody".to_owned());
                 let by = arguments.signer.clone().unwrap_or_else(user);
                 sign(

@@ -113,7 +113,8 @@ pub(crate) enum Command {
     ///
     /// Exit code: 0 if all is identical, 1 if not, 2 if the log or a part of it cannot be replayed.
     Replay(Replay),
-    /// Show, judge, join or export the log of a run
+    #[cfg_attr(feature = "simulation", doc = "Show, judge, join or export the log of a run")]
+    #[cfg_attr(not(feature = "simulation"), doc = "Show, sum up or join the log of a run")]
     #[command(subcommand)]
     Log(Log),
     /// Make, build, test, inspect and check a plugin, in any folder

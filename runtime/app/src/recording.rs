@@ -187,10 +187,12 @@ impl Recording {
         }
         let Some(recorder) = &mut self.recorder else { return };
         if let Some(failure) = self.disk.failure() {
-            error!(
+            let text = format!(
                 "the log ends here, the run continues: {}: {failure}; the log does not begin again, also when there is room",
                 self.name
             );
+            error!("{text}");
+            tell(&mut self.teller, now, false, &text);
             self.recorder = None;
             return;
         }
@@ -203,21 +205,27 @@ impl Recording {
             Some(gap) => {
                 let Gap { since, records } = *gap;
                 self.gap = None;
-                warn!(
+                let text = format!(
                     "the log has a gap of {:.1} s, {records} records: the disk took them too slowly",
                     now.since(since).as_secs_f64()
                 );
+                warn!("{text}");
+                tell(&mut self.teller, now, true, &text);
                 recorder.gap(now, since, records).and_then(|()| act(recorder))
             }
             None if waiting > WAITING_MAX => {
                 self.gap = Some(Gap { since: now, records: 1 });
-                warn!("the disk does not accept the log: records are left out until it does");
+                let text = "the disk does not accept the log: records are left out until it does";
+                warn!("{text}");
+                tell(&mut self.teller, now, false, text);
                 return;
             }
             None => act(recorder),
         };
         if let Err(error) = result.and_then(|()| self.turn(now)) {
-            error!("the log ends here, the run continues: {error}; the log does not begin again");
+            let text = format!("the log ends here, the run continues: {error}; the log does not begin again");
+            error!("{text}");
+            tell(&mut self.teller, now, false, &text);
             self.recorder = None;
         }
     }
@@ -241,6 +249,14 @@ impl Recording {
         } else if let Some(failure) = self.disk.failure() {
             error!("the log has no end: {failure}");
         }
+    }
+}
+
+/// Tells a console whether the log is written now, and why not.
+fn tell(teller: &mut Option<Recorder<Queue>>, now: Timestamp, written: bool, text: &str) {
+    if let Some(teller) = teller {
+        let told = serde_json::json!({ "written": written, "text": text });
+        teller.tell(now, "/recording", told.to_string().as_bytes());
     }
 }
 

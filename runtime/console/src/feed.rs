@@ -90,7 +90,7 @@ impl Feed {
 pub fn wants(topic: &str, data: &[u8]) -> bool {
     match topic {
         "/link/from_vehicle" | "/link/to_vehicle" | "/notes" | "/requests" | "/control" | "/navigation" | "/truth"
-        | "/log" | "/map/plan" | "/map/reach" | "/map/inserts" | "/map/requests" => true,
+        | "/log" | "/recording" | "/map/plan" | "/map/reach" | "/map/inserts" | "/map/requests" => true,
         "/core/input" => [RETURNED, START, LINK, PING, SONAR_EVENT]
             .iter()
             .any(|begins| data.starts_with(begins)),

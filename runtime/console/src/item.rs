@@ -183,6 +183,13 @@ pub enum Item {
         /// In words.
         text: String,
     },
+    /// Whether the log of the run is written.
+    Recording {
+        /// False if it has ended, or the disk is too slow.
+        written: bool,
+        /// In words.
+        text: String,
+    },
     /// What the sonars' payload controller said.
     Sonar {
         /// In words.

@@ -37,6 +37,7 @@ pub(crate) struct Metrics {
     speed: Number,
     heading: Number,
     integrity: Number,
+    recording: Number,
     round_trip: Number,
     gap: Number,
     ages: Family<Labels, Number>,
@@ -74,6 +75,8 @@ impl Metrics {
         let heading = number("heading_degrees", "Heading of the vehicle from true north");
         let integrity = number("navigation_plausible", "Whether navigation is plausible");
         integrity.set(1.0);
+        let recording = number("log_written", "Whether the log of the run is written");
+        recording.set(1.0);
         let round_trip = number(
             "round_trip_seconds",
             "From the last command that was acknowledged to its acknowledgement",
@@ -121,6 +124,7 @@ impl Metrics {
             speed,
             heading,
             integrity,
+            recording,
             round_trip,
             gap,
             ages,
@@ -204,6 +208,7 @@ impl Metrics {
             }
             Item::Operator { act, .. } if act == "hold" || act == "release" => flag(&self.held, act == "hold"),
             Item::Integrity { ok, .. } => flag(&self.integrity, *ok),
+            Item::Recording { written, .. } => flag(&self.recording, *written),
             // Nothing steers any more.
             Item::End { .. } => {
                 flag(&self.armed, false);
@@ -296,6 +301,11 @@ mod tests {
         };
         metrics.observe(&failed(1));
         metrics.observe(&failed(3));
+        assert!(metrics.text(2.0).contains("backseat_log_written 1.0"));
+        metrics.observe(&Item::Recording {
+            written: false,
+            text: String::new(),
+        });
         let text = metrics.text(2.0);
         for line in [
             "backseat_control 1.0",
@@ -303,6 +313,7 @@ mod tests {
             "backseat_age_seconds{what=\"heard\"} 0.5",
             "# TYPE backseat_plugin_failures counter",
             "backseat_plugin_failures_total{plugin=\"isobath\"} 3",
+            "backseat_log_written 0.0",
             "backseat_run_info{mission=\"a \\\"mission\\\"\"",
             "# EOF",
         ] {

@@ -31,7 +31,7 @@ use crate::operator::{Asked, Desk};
 use crate::pace::Pace;
 use crate::token::Token;
 
-use self::conversation::{Conversations, Trust};
+use self::conversation::{Conversations, Peer, Trust};
 use self::socket::Feeds;
 pub use self::tls::Tls;
 
@@ -250,7 +250,10 @@ async fn accept(listener: TcpListener, tls: Option<Tls>, router: Router) {
             Some(false) => continue,
         }
         let trust = Trust::default();
-        let router = router.clone().layer(Extension(trust.clone()));
+        let router = router
+            .clone()
+            .layer(Extension(trust.clone()))
+            .layer(Extension(Peer(peer.ip())));
         let task = match tls.clone() {
             None => tokio::spawn(converse(stream, router)),
             Some(Tls(acceptor)) => tokio::spawn(async move {

@@ -189,6 +189,11 @@ impl Teller {
                 }
                 tell(t, Item::Line { level, who, text }, true);
             }
+            "/recording" => {
+                let written = value["written"] == Value::Bool(true);
+                let text = words(&value["text"]).unwrap_or_default();
+                tell(t, Item::Recording { written, text }, true);
+            }
             "/map/plan" => layer(t, "plan", &value, tell),
             "/map/reach" => tell(t, reach(&value), true),
             "/map/inserts" => layer(t, "inserts", &value, tell),

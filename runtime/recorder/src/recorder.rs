@@ -138,6 +138,13 @@ impl<W: Write + Seek> Recorder<W> {
         self.listener = Some(listener);
     }
 
+    /// Tells the listener something that is not recorded.
+    pub fn tell(&mut self, now: Timestamp, topic: &str, data: &[u8]) {
+        if let Some(listener) = &mut self.listener {
+            listener(now, topic, data);
+        }
+    }
+
     /// Ends the file in order, and goes on in another one, which is the log's next part. It begins with the same facts and
     /// texts, but has the components by their hashes alone. [`crate::join`] makes one log of all parts.
     ///

@@ -218,6 +218,10 @@ export const takers = new Map(Object.entries({
     event(dive, item, "integrity", ok ? "info" : "error", "runtime", text);
   },
   /** @type {(dive: Dive, item: any) => void} */
+  recording(dive, item) {
+    event(dive, item, "line", item.written === true ? "warn" : "error", "runtime", str(item.text, 300));
+  },
+  /** @type {(dive: Dive, item: any) => void} */
   end(dive, item) {
     dive.over = true;
     dive.held.end.push(item.t, str(item.text, 300));

@@ -17,6 +17,7 @@ use tokio::time::{Instant, sleep};
 use tracing::warn;
 
 use super::Shared;
+use super::conversation::Peer;
 use super::guard::{has_token, is_basic};
 use crate::item::Item;
 use crate::operator::{Act, Asked, NotAsked};
@@ -91,7 +92,7 @@ pub(super) async fn operator(State(shared): State<Arc<Shared>>, request: axum::e
         );
     }
     if is_basic(headers) || !has_token(&shared, headers) {
-        shared.tried_wrong();
+        shared.tried_wrong(request.extensions().get::<Peer>().copied());
         sleep(SLOWED).await;
         return refused(
             StatusCode::UNAUTHORIZED,
@@ -157,11 +158,13 @@ fn refused(status: StatusCode, error: &str) -> Response {
 
 impl Shared {
     /// Says from time to time that somebody gives wrong tokens.
-    pub(super) fn tried_wrong(&self) {
+    pub(super) fn tried_wrong(&self, peer: Option<Peer>) {
         let wrong = self.wrong.fetch_add(1, Ordering::Relaxed) + 1;
         if wrong.is_multiple_of(TOLD_AT) && (wrong / TOLD_AT).is_power_of_two() {
-            warn!("console: {wrong} wrong tokens so far");
-            self.hub.say("warn", "console", &format!("{wrong} wrong tokens so far"));
+            let from = peer.map_or_else(String::new, |Peer(from)| format!(", the last from {from}"));
+            let text = format!("{wrong} wrong tokens so far{from}");
+            warn!("console: {text}");
+            self.hub.say("warn", "console", &text);
         }
     }
 }

@@ -14,6 +14,10 @@ pub(super) const CONNECTIONS_MAX: usize = 96;
 #[derive(Clone, Default)]
 pub(super) struct Trust(Arc<AtomicBool>);
 
+/// Where a connection comes from.
+#[derive(Clone, Copy)]
+pub(super) struct Peer(pub(super) IpAddr);
+
 impl Trust {
     pub(super) fn set(&self, is_trusted: bool) {
         self.0.store(is_trusted, Ordering::Relaxed);

@@ -11,7 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 use tokio::time::{sleep, timeout};
 
 use super::api::SLOWED;
-use super::conversation::Trust;
+use super::conversation::{Peer, Trust};
 use super::{BODY_MAX, Shared};
 
 /// A request has its answer within this.
@@ -37,13 +37,14 @@ const POLICY: [&str; 2] = [
 pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
     let whose = request.uri().authority().map(ToString::to_string);
     let trust = request.extensions().get::<Trust>().cloned().unwrap_or_default();
+    let peer = request.extensions().get::<Peer>().copied();
     trust.set(has_token(&shared, request.headers()));
     let socket = socket(request.headers(), shared.is_open);
     let mut response = if is_too_large(request.headers()) {
         (StatusCode::PAYLOAD_TOO_LARGE, "too large\n").into_response()
     } else if is_ours(request.headers(), whose.as_deref(), shared.is_open) {
         if shared.is_open
-            && let Err(refusal) = known(&shared, request.headers()).await
+            && let Err(refusal) = known(&shared, request.headers(), peer).await
         {
             refusal
         } else {
@@ -52,11 +53,12 @@ pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, n
             answer.unwrap_or_else(|_| (StatusCode::REQUEST_TIMEOUT, "too slow\n").into_response())
         }
     } else {
-        (
-            StatusCode::FORBIDDEN,
-            "the console answers only its own page, at 127.0.0.1 or localhost\n",
-        )
-            .into_response()
+        let text = if shared.is_open {
+            "the console answers only its own page, not that of another site\n"
+        } else {
+            "the console answers only its own page, at 127.0.0.1 or localhost\n"
+        };
+        (StatusCode::FORBIDDEN, text).into_response()
     };
     trust.set(false);
     if let Ok(policy) = HeaderValue::from_str(&[POLICY[0], &socket, POLICY[1]].concat()) {
@@ -105,14 +107,14 @@ pub(super) fn has_token(shared: &Shared, headers: &HeaderMap) -> bool {
 }
 
 /// Whether whoever asks gives the token; if not, the answer.
-async fn known(shared: &Shared, headers: &HeaderMap) -> Result<(), Response> {
+async fn known(shared: &Shared, headers: &HeaderMap, peer: Option<Peer>) -> Result<(), Response> {
     if has_token(shared, headers) {
         return Ok(());
     }
     // A browser asks first without one.
     let is_given = headers.contains_key(AUTHORIZATION);
     if is_given {
-        shared.tried_wrong();
+        shared.tried_wrong(peer);
         sleep(SLOWED).await;
     }
     let mut refusal = (

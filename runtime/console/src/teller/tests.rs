@@ -250,3 +250,11 @@ fn what_the_vehicle_says_again_is_of_little_interest_and_a_contact_is_a_place() 
     };
     assert!(items.iter().any(contact), "{items:?}");
 }
+
+#[test]
+fn a_log_that_is_no_longer_written_is_told() {
+    let ended = r#"{"written":false,"text":"the log ends here"}"#;
+    let items = told(&mut teller(), &[(0, "/recording", ended)]);
+    let text = "the log ends here".to_owned();
+    assert_eq!(items, [(Item::Recording { written: false, text }, true)]);
+}

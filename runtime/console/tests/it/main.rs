@@ -226,7 +226,9 @@ fn only_who_has_the_token_holds_and_wrong_ones_are_slowed_and_told() {
         assert_eq!(status(&console.post(token, HOLD, "")), 401);
     }
     assert!(
-        console.get("/api/history").contains("5 wrong tokens so far"),
+        console
+            .get("/api/history")
+            .contains("5 wrong tokens so far, the last from 127.0.0.1"),
         "people see it"
     );
     assert!(console.asked.try_recv().is_err());

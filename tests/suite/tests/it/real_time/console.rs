@@ -11,7 +11,7 @@ use super::heard::{ended_after_s, worst_gap_s};
 use super::session::{SOON, command, runtime};
 
 /// Where the console of a process is.
-fn address(process: &Process) -> String {
+pub(super) fn address(process: &Process) -> String {
     let line = process.says("console: http://", SOON);
     let rest = line.split("http://").nth(1).expect("the line has it");
     rest.split(';').next().expect("a word").to_owned()
@@ -26,7 +26,7 @@ fn ask(address: &str, request: &str) -> String {
     answer
 }
 
-fn get(address: &str, path: &str) -> String {
+pub(super) fn get(address: &str, path: &str) -> String {
     let answer = ask(
         address,
         &format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"),

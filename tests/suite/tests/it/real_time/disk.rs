@@ -4,8 +4,9 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::time::Duration;
 
-use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, settle};
+use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, eventually, settle};
 
+use super::console::{address, get};
 use super::session::{SOON, runtime};
 
 /// The steady mission with a second plugin that requests a trackline ahead each second.
@@ -114,14 +115,32 @@ fn a_log_on_a_full_disk_ends_and_the_vehicle_is_steered_on() {
     let before = vehicle.received("BPRMB").len();
     let runtime = Backseat::new()
         .file_max_kib(size / 1024 + 16)
-        .args(["run", "--arm", "--connect", &vehicle.address, "--log"])
+        .args([
+            "run",
+            "--arm",
+            "--console=127.0.0.1:0",
+            "--connect",
+            &vehicle.address,
+            "--log",
+        ])
         .arg(mission.beside("logs"))
         .arg("--state")
         .arg(mission.beside("state"))
         .mission(&mission)
         .spawn();
     vehicle.receives("BPRMB", before + 1, SOON);
+    let console = address(&runtime);
+    assert!(get(&console, "/metrics").contains("\nbackseat_log_written 1"));
     runtime.says("the log ends here, the run continues", Duration::from_secs(90));
+    eventually(
+        SOON,
+        || {
+            get(&console, "/metrics")
+                .contains("\nbackseat_log_written 0")
+                .then_some(())
+        },
+        || get(&console, "/metrics"),
+    );
     let then = vehicle.received("BPRMB").len();
     vehicle.receives("BPRMB", then + 4, SOON);
     let said = ends_in_order(runtime);

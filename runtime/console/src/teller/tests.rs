@@ -256,5 +256,8 @@ fn a_log_that_is_no_longer_written_is_told() {
     let ended = r#"{"written":false,"text":"the log ends here"}"#;
     let items = told(&mut teller(), &[(0, "/recording", ended)]);
     let text = "the log ends here".to_owned();
-    assert_eq!(items, [(Item::Recording { written: false, text }, true)]);
+    assert!(
+        items.contains(&(Item::Recording { written: false, text }, true)),
+        "{items:?}"
+    );
 }

@@ -130,7 +130,6 @@ fn a_log_on_a_full_disk_ends_and_the_vehicle_is_steered_on() {
         .spawn();
     vehicle.receives("BPRMB", before + 1, SOON);
     let console = address(&runtime);
-    assert!(get(&console, "/metrics").contains("\nbackseat_log_written 1"));
     runtime.says("the log ends here, the run continues", Duration::from_secs(90));
     eventually(
         SOON,

@@ -100,6 +100,7 @@ SCRIPT = [
     (700.5, {"kind": "contact", "plugin": PLUGIN, "name": "1", "lat": 42.3516, "lon": -70.7121, "text": "contact 1 confirmed at 42.3516 -70.7121 by 8 of 8 aspects"}),
     (720, {"kind": "contact", "plugin": PLUGIN, "name": "2", "lat": 42.3470, "lon": -70.7010, "text": "contact 2: 0.7 m high at 42.3470 -70.7010"}),
     (721, {"kind": "contact", "plugin": PLUGIN, "name": "3", "lat": 142.0, "lon": -70.7010, "text": "contact 3 of nowhere"}),
+    (1600, {"kind": "recording", "written": False, "text": "the log ends here, the run continues: No space left on device"}),
     (60, {"kind": "future-kind", "anything": [1, 2]}),
 ]
 SILENT = [(300, 420), (760, 790)]  # isobath does not steer then

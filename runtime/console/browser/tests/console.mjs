@@ -145,7 +145,7 @@ await t("recorded: events filter, search, click", withPage(recorded, {}, async (
   check(whos.length > 3 && whos.every((w) => w === "vehicle"), "only the vehicle");
   await page.selectOption("#event-who", "");
   await page.waitForTimeout(400);
-  for (const words of ["no control: the vehicle has control", "speed 2.60", "control granted"]) {
+  for (const words of ["no control: the vehicle has control", "speed 2.60", "control granted", "the log ends here"]) {
     await page.fill("#search", words);
     await page.waitForTimeout(400);
     check(await page.locator(".event").count() === (words === "control granted" ? 2 : 1), "twice the same event: " + words);
@@ -343,7 +343,7 @@ await t("live: odd items do no harm", withPage(live, {}, async (page) => {
 await t("live: too many tries", withPage(live, {}, async (page) => {
   for (let i = 0; i < 5; i++) await (await live).post("api/operator", { act: "hold", who: "x" });
   await operate(page, "wrong");
-  await expectText(page, "operator-answer", /Too many tries/);
+  await expectText(page, "operator-answer", /Nothing was done: too many tries/);
 }));
 await t("live: silence is told within 3.5 s, then it recovers", withPage(live, {}, async (page) => {
   await page.waitForFunction(() => !document.body.classList.contains("stale"));

@@ -14,7 +14,7 @@ use crate::arguments::MissionArguments;
 use crate::cache::host;
 use crate::check::machine::RoomForLogs;
 use crate::clock::Clock;
-use crate::lock::{beside_lock, sign, signer};
+use crate::lock::{BesideLock, beside_lock, sign, signer};
 use crate::output::{kib, say};
 use crate::run::host_and_port;
 use crate::state::State;
@@ -198,16 +198,29 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         }
         Err(error) => findings.push(format!("state: {error:#}")),
     }
-    if let (Some(loaded), None) = (&loaded, &arguments.sign)
-        && let Some(line) = beside_lock(&mission, &loaded.components)?
-    {
-        say!("{line}");
+    let mut refused_if_locked = false;
+    if let (Some(loaded), None) = (&loaded, &arguments.sign) {
+        match beside_lock(&mission, &loaded.components, arguments.mission.plugins.as_deref())? {
+            BesideLock::None => {}
+            BesideLock::Same(line) => say!("{line}"),
+            BesideLock::Refused(line) => {
+                say!("warning: {line}");
+                refused_if_locked = true;
+            }
+        }
     }
     for finding in &findings {
         say!("{}", with_suggestion(finding));
     }
     good &= findings.is_empty();
-    say!("{}", if good { "ready" } else { "not ready" });
+    say!(
+        "{}",
+        match (good, refused_if_locked) {
+            (true, false) => "ready",
+            (true, true) => "ready, but not for `run --locked`",
+            (false, _) => "not ready",
+        }
+    );
     if let Some(key) = &arguments.sign {
         match &loaded {
             Some(loaded) if good => {

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use backseat_fence::Rfc3339;
-use backseat_lock::{Contents, LOCK, Parts, PublicKey, SecretKey, create_keys, open, open_unverified, seal, sha256};
+use backseat_lock::{
+    Contents, Difference, LOCK, Parts, PublicKey, SecretKey, create_keys, open, open_unverified, seal, sha256,
+};
 use backseat_mission::Mission;
 use backseat_units::Utc;
 use clap::Args;
@@ -140,23 +142,62 @@ pub(crate) fn sign(
 
 /// How a mission stands to the lock in its folder, if there is one, in a line. Whether somebody whom the vehicle trusts has
 /// signed the lock is not looked at.
-pub(crate) fn beside_lock(mission: &Mission, components: &[(String, Vec<u8>)]) -> Result<Option<String>> {
+///
+/// `folder` is where components are looked for, as in [`Mission::components`].
+pub(crate) fn beside_lock(
+    mission: &Mission,
+    components: &[(String, Vec<u8>)],
+    folder: Option<&Path>,
+) -> Result<BesideLock> {
     let path = mission.folder.join(LOCK);
     if !path.exists() {
-        return Ok(None);
+        return Ok(BesideLock::None);
     }
     let signed = match open_unverified(&path) {
         Ok(signed) => signed,
-        Err(error) => return Ok(Some(format!("warning: {error}"))),
+        Err(error) => return Ok(BesideLock::Refused(error.to_string())),
     };
     let now = contents(mission, components, &[], &program_sha256()?, "", "")?;
-    Ok(Some(match signed.difference(&now) {
-        None => format!("{LOCK}: nothing differs from what {} signed", signed.signed_by),
-        Some(difference) => format!(
-            "warning: {LOCK}: {difference}, so that `run --locked` refuses this mission: restore what {} signed, or sign anew",
+    Ok(match signed.difference(&now) {
+        None => BesideLock::Same(format!("{LOCK}: nothing differs from what {} signed", signed.signed_by)),
+        Some(difference) => BesideLock::Refused(format!(
+            "{LOCK}: {}, so that `run --locked` refuses this mission: restore what {} signed, or sign anew",
+            with_file(&difference, mission, folder),
             signed.signed_by
-        ),
-    }))
+        )),
+    })
+}
+
+/// How a mission stands to the lock in its folder, in words.
+pub(crate) enum BesideLock {
+    /// There is no lock.
+    None,
+    /// The mission is as it was signed.
+    Same(String),
+    /// `run --locked` refuses it.
+    Refused(String),
+}
+
+/// A difference, and which file has it.
+fn with_file(difference: &Difference, mission: &Mission, folder: Option<&Path>) -> String {
+    let file = match difference {
+        Difference::Limits | Difference::File => Some(mission.folder.join("mission.toml")),
+        Difference::Fence => Some(mission.folder.join(mission.fence_file)),
+        Difference::Plan => mission.file.plan.as_ref().map(|plan| mission.folder.join(&plan.file)),
+        Difference::Component(plugin) => {
+            let mut names = mission.file.plugins.iter().map(|table| &table.name);
+            let paths = mission.components(folder).unwrap_or_default();
+            names
+                .position(|name| name == plugin)
+                .and_then(|index| paths.into_iter().nth(index))
+        }
+        Difference::Program => std::env::current_exe().ok(),
+        Difference::Mission { .. } | Difference::LimitsSet | Difference::Setting => None,
+    };
+    match file {
+        Some(file) => format!("{difference} ({})", file.display()),
+        None => difference.to_string(),
+    }
 }
 
 /// Reads the components of a mission, before anything of them runs.
@@ -201,12 +242,18 @@ impl Locked {
         }
     }
 
-    /// Compares what is going to run with what was signed. Returns who signed it, and when.
+    /// Compares what is going to run with what was signed. Returns who signed it, and when. `folder` is where components are
+    /// looked for, as in [`Mission::components`].
     ///
     /// # Errors
     ///
     /// If something differs.
-    pub(crate) fn compare(&self, mission: &Mission, components: &[(String, Vec<u8>)]) -> Result<String> {
+    pub(crate) fn compare(
+        &self,
+        mission: &Mission,
+        components: &[(String, Vec<u8>)],
+        folder: Option<&Path>,
+    ) -> Result<String> {
         let Self {
             path,
             signed,
@@ -215,8 +262,9 @@ impl Locked {
         let loaded = contents(mission, components, &[], program_sha256, "", "")?;
         if let Some(difference) = signed.difference(&loaded) {
             bail!(
-                "{}: {difference}: restore what {} signed, or check and sign anew",
+                "{}: {}: restore what {} signed, or check and sign anew",
                 path.display(),
+                with_file(&difference, mission, folder),
                 signed.signed_by
             );
         }

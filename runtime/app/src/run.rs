@@ -120,7 +120,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         .transpose()?;
     if let Some(locked) = &locked {
         // Nothing of a component runs before this.
-        let compared = locked.compare(&mission, &read_components(&mission, plugins)?);
+        let compared = locked.compare(&mission, &read_components(&mission, plugins)?, plugins);
         let settings = arguments.mission.layers().names().join(" with ");
         compared.map_err(|error| match settings.as_str() {
             "" => error,
@@ -141,7 +141,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     // Once more, of the bytes that were loaded.
     let signed = locked
         .as_ref()
-        .map(|locked| locked.compare(&mission, &loaded.components))
+        .map(|locked| locked.compare(&mission, &loaded.components, plugins))
         .transpose()?;
     let allowed = locked.map(Locked::allowed);
     let shadows = Shadows::start(&arguments.shadows, &host, &mission, allowed.as_ref())?;

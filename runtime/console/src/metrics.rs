@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::PoisonError;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
@@ -12,8 +13,11 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::Registry;
 
-use crate::about::About;
+use crate::about::{About, Kind};
 use crate::item::{Counts, Item};
+
+/// Older navigation is neither plausible nor implausible, seconds.
+const NAVIGATION_AGE_MAX_S: f64 = 5.0;
 
 type Labels = Vec<(&'static str, String)>;
 type Number = Gauge<f64, AtomicU64>;
@@ -37,6 +41,8 @@ pub(crate) struct Metrics {
     speed: Number,
     heading: Number,
     integrity: Number,
+    /// Whether navigation was plausible when it last came.
+    plausible: AtomicBool,
     recording: Number,
     round_trip: Number,
     gap: Number,
@@ -73,10 +79,17 @@ impl Metrics {
         let altitude = number("altitude_meters", "Altitude of the vehicle above the seabed");
         let speed = number("speed_meters_per_second", "Speed of the vehicle over ground");
         let heading = number("heading_degrees", "Heading of the vehicle from true north");
-        let integrity = number("navigation_plausible", "Whether navigation is plausible");
-        integrity.set(1.0);
+        let integrity = number(
+            "navigation_plausible",
+            "Whether navigation is plausible, NaN while none comes",
+        );
         let recording = number("log_written", "Whether the log of the run is written");
-        recording.set(1.0);
+        // A simulation may have no log.
+        recording.set(if matches!(about.kind, Kind::Simulated) {
+            f64::NAN
+        } else {
+            1.0
+        });
         let round_trip = number(
             "round_trip_seconds",
             "From the last command that was acknowledged to its acknowledgement",
@@ -124,6 +137,7 @@ impl Metrics {
             speed,
             heading,
             integrity,
+            plausible: AtomicBool::new(true),
             recording,
             round_trip,
             gap,
@@ -134,9 +148,6 @@ impl Metrics {
 
     /// Takes an item.
     pub(crate) fn observe(&self, item: &Item) {
-        let flag = |gauge: &Number, is: bool| {
-            gauge.set(f64::from(u8::from(is)));
-        };
         let plugin = |name: &str| vec![("plugin", name.to_owned())];
         match item {
             Item::Navigation {
@@ -207,7 +218,7 @@ impl Metrics {
                 self.measures.get_or_create(&labels).set(*value);
             }
             Item::Operator { act, .. } if act == "hold" || act == "release" => flag(&self.held, act == "hold"),
-            Item::Integrity { ok, .. } => flag(&self.integrity, *ok),
+            Item::Integrity { ok, .. } => self.plausible.store(*ok, Relaxed),
             Item::Recording { written, .. } => flag(&self.recording, *written),
             // Nothing steers any more.
             Item::End { .. } => {
@@ -251,16 +262,29 @@ impl Metrics {
 
     /// All figures, in OpenMetrics' text. `t` is the time now, seconds of the run: ages grow also if nothing comes any more.
     pub(crate) fn text(&self, t: f64) -> String {
+        let mut navigated = f64::NAN;
         for (what, at) in self.last.lock().unwrap_or_else(PoisonError::into_inner).iter() {
             // What was heard after the last item that has a time.
             let age = at.map_or(f64::NAN, |at| (t - at).max(0.0));
             self.ages.get_or_create(&vec![("what", (*what).to_owned())]).set(age);
+            if *what == "navigated" {
+                navigated = age;
+            }
+        }
+        if navigated <= NAVIGATION_AGE_MAX_S {
+            flag(&self.integrity, self.plausible.load(Relaxed));
+        } else {
+            self.integrity.set(f64::NAN);
         }
         let mut text = String::new();
         // A String takes everything.
         encode(&mut text, &self.registry).ok();
         text
     }
+}
+
+fn flag(gauge: &Number, is: bool) {
+    gauge.set(f64::from(u8::from(is)));
 }
 
 /// Counts up to a number.
@@ -271,7 +295,7 @@ fn reach(counter: &Counter, count: u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::about::{Kind, Origin};
+    use crate::about::Origin;
     use crate::item::Beat;
 
     #[test]
@@ -288,11 +312,22 @@ mod tests {
         }
         let reason = None;
         metrics.observe(&Item::Control { granted: true, reason });
+        let plausible = |t| {
+            let text = metrics.text(t);
+            let line = text
+                .lines()
+                .find(|line| line.starts_with("backseat_navigation_plausible "));
+            line.expect("it is there").to_owned()
+        };
+        assert_eq!(plausible(1.0), "backseat_navigation_plausible NaN");
         let beat = Beat {
             heard: Some(1.5),
+            navigated: Some(1.5),
             ..Beat::default()
         };
         metrics.observe(&Item::Beat(beat));
+        assert_eq!(plausible(2.0), "backseat_navigation_plausible 1.0");
+        assert_eq!(plausible(60.0), "backseat_navigation_plausible NaN");
         let failed = |failures| Item::Plugin {
             plugin: "isobath".to_owned(),
             state: "failed",

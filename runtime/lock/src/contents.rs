@@ -3,6 +3,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
+use crate::Difference;
+
 /// The version of locks.
 const FORMAT: u32 = 1;
 
@@ -92,41 +94,40 @@ impl Contents {
         self.format == FORMAT
     }
 
-    /// What differs from the parts that were signed, in words; `None` if nothing does. Who signed, and when, does not count.
+    /// The first part that differs from what was signed; `None` if nothing does. Who signed, and when, does not count.
     #[must_use]
-    pub fn difference(&self, loaded: &Self) -> Option<String> {
+    pub fn difference(&self, loaded: &Self) -> Option<Difference> {
         if self.mission != loaded.mission {
-            return Some(format!(
-                "it is of the mission {}, and this is {}",
-                self.mission, loaded.mission
-            ));
+            return Some(Difference::Mission {
+                signed: self.mission.clone(),
+                loaded: loaded.mission.clone(),
+            });
         }
-        for (what, signed, loaded) in [
-            ("the limits", &self.limits_sha256, &loaded.limits_sha256),
-            ("the fence", &self.fence_sha256, &loaded.fence_sha256),
-        ] {
-            if signed != loaded {
-                return Some(format!("{what} differ{}", if what.ends_with('s') { "" } else { "s" }));
-            }
+        let file_differs = self.file_sha256 != loaded.file_sha256;
+        if self.limits_sha256 != loaded.limits_sha256 {
+            return Some(if file_differs {
+                Difference::Limits
+            } else {
+                Difference::LimitsSet
+            });
+        }
+        if self.fence_sha256 != loaded.fence_sha256 {
+            return Some(Difference::Fence);
         }
         if self.plan_sha256 != loaded.plan_sha256 {
-            return Some("the plan differs".to_owned());
+            return Some(Difference::Plan);
         }
-        let names = self.components.keys().chain(loaded.components.keys());
-        let other = |name: &&String| self.components.get(*name) != loaded.components.get(*name);
-        if let Some(name) = names.into_iter().find(other) {
-            return Some(format!("the component of plugin {name} differs"));
+        let mut names = self.components.keys().chain(loaded.components.keys());
+        if let Some(name) = names.find(|name| self.components.get(*name) != loaded.components.get(*name)) {
+            return Some(Difference::Component(name.clone()));
         }
-        if self.file_sha256 != loaded.file_sha256 {
-            return Some("mission.toml differs".to_owned());
+        if file_differs {
+            return Some(Difference::File);
         }
         if self.mission_sha256 != loaded.mission_sha256 {
-            return Some("a setting of --set or of a BACKSEAT__ variable differs".to_owned());
+            return Some(Difference::Setting);
         }
-        if self.program_sha256 != loaded.program_sha256 {
-            return Some("the program differs from the one that signed".to_owned());
-        }
-        None
+        (self.program_sha256 != loaded.program_sha256).then_some(Difference::Program)
     }
 }
 
@@ -200,6 +201,14 @@ mod tests {
                     mission: "[vehicle]\nname = \"v\"\n[limits]\nspeed_max_mps = 2.1\n",
                     ..parts
                 },
+                "the limits differ by a setting",
+            ),
+            (
+                Parts {
+                    file: b"fil",
+                    mission: "[vehicle]\nname = \"v\"\n[limits]\nspeed_max_mps = 2.1\n",
+                    ..parts
+                },
                 "the limits differ",
             ),
             (Parts { fence: b"{ }", ..parts }, "the fence differs"),
@@ -226,7 +235,7 @@ mod tests {
                 "the program differs",
             ),
         ] {
-            let found = difference(parts).unwrap();
+            let found = difference(parts).unwrap().to_string();
             assert!(found.starts_with(words), "{found} is not {words}");
         }
     }

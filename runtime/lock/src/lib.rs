@@ -8,11 +8,13 @@
 //! Hashes are of what was loaded into memory and is going to be used, never of files that are read a second time.
 
 mod contents;
+mod difference;
 mod error;
 mod key;
 mod signed;
 
 pub use contents::{Contents, Parts, sha256};
+pub use difference::Difference;
 pub use error::LockError;
 pub use key::{PublicKey, SecretKey, create_keys};
 pub use signed::{open, open_unverified, seal};

@@ -39,8 +39,8 @@ pub fn find_component(
         .join(", ");
     if !is_path {
         looked.push_str(
-            "; --plugins DIR or the environment's BACKSEAT_PLUGINS names another folder, and `cargo xtask plugins` \
-             builds the project's own",
+            "; --plugins DIR or the environment's BACKSEAT_PLUGINS names another folder. In a clone of the project, \
+             `cargo xtask plugins` builds its own",
         );
     }
     Err(MissionError::NoComponent {

@@ -24,7 +24,9 @@ const LOG_FORGOTTEN: Duration = Duration::from_secs(30);
 ///
 /// An answer counts from the moment when it starts on its way. If an answer can belong to several commands, the oracle
 /// takes the newest, so that no other interpretation makes the trip shorter. BPLOG has no time, and the vehicle answers
-/// them in order; those that left before acknowledgements were requested may stay without an answer.
+/// them in order; those that left before acknowledgements were requested may stay without an answer. What is between the
+/// vehicle and us may pass an answer to a BPLOG on in a later connection, so for a while after a reconnection nobody knows
+/// which BPLOG an answer belongs to.
 #[derive(Clone, Debug)]
 pub(crate) struct Heartbeat {
     within: Duration,
@@ -40,6 +42,10 @@ pub(crate) struct Heartbeat {
     log_took: Option<Duration>,
     subscribed: bool,
     early_log: Option<Moment>,
+    /// When the last BPLOG left, on any connection.
+    last_log: Option<Moment>,
+    /// When the last BPLOG of an earlier connection left.
+    earlier_log: Option<Moment>,
     /// When the last answered BPLOG left, if the early BPLOG before all others was not answered.
     log_before: Option<Moment>,
     /// When commands left that were answered in time, and when their answers came; those of the last seconds.
@@ -66,6 +72,8 @@ impl Heartbeat {
             log_took: None,
             subscribed: false,
             early_log: None,
+            last_log: None,
+            earlier_log: None,
             log_before: None,
             trips: VecDeque::new(),
             unread: Vec::new(),
@@ -77,6 +85,7 @@ impl Heartbeat {
     /// We sent a sentence.
     pub(crate) fn we_say(&mut self, at: Moment, request: &Request) {
         if let Ours::Subscribe { acknowledgements } = request.asks {
+            self.last_log = Some(at);
             self.subscribed |= acknowledgements;
             if !self.subscribed {
                 self.early_log = Some(at);
@@ -126,7 +135,8 @@ impl Heartbeat {
                 earliest = if early.is_some() { before.or(early) } else { known };
                 // It may not be lost, but late.
                 let late = self.log_lost.filter(|lost| at.since(*lost) < FORGOTTEN);
-                earliest = late.or(earliest);
+                let of_earlier = self.earlier_log.is_some_and(|last| at.since(last) < FORGOTTEN);
+                earliest = late.or(earliest).filter(|_| !of_earlier);
                 self.log_took = Some(at.since(left));
             }
             // The answer may belong to a BPLOG that left during a gap of the record.
@@ -217,6 +227,7 @@ impl Heartbeat {
         self.log_took = None;
         self.subscribed = false;
         self.early_log = None;
+        self.earlier_log = self.last_log;
         self.log_before = None;
         self.trips.clear();
         self.unread.clear();

@@ -44,8 +44,8 @@ pub const EXITS: [Exit; 5] = [
     Exit {
         code: STOPPED,
         meaning: "`campaign`: stopped before its end by Ctrl-C, SIGTERM or `--stop-after`. What was flown is kept; the same \
-                  command goes on. `run`: could not begin because of what is around it, which may pass: a disk that is full or \
-                  read-only, a port that another program has, an address that this computer does not have. A service tries again.",
+                  command goes on. `run`: could not begin because of what is around it, which may pass: a disk of logs or state that \
+                  is read-only, a full disk of the state folder, a port that another program has, an address that this computer does not have. A service tries again.",
     },
     Exit {
         code: PANICKED,

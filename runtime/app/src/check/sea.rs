@@ -13,7 +13,9 @@ pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>, sets: &[String]
         bail!("--set {set}: this program was built for sea, and does not read world.toml: leave it out");
     }
     Ok(FrontSeat {
-        remark: Some("world.toml not read: this program was built for sea, without the simulation"),
+        remark: Some(
+            "this program was built for sea, without the simulation: of world.toml it reads the plan, if [plan] names it, and nothing else",
+        ),
         ..FrontSeat::of_mission(mission, plan)?
     })
 }

@@ -113,7 +113,7 @@ impl Summary {
             } else if log.complete {
                 "the log is complete"
             } else {
-                "cut short: the log does not end properly, and its last records may be missing"
+                "cut short, or still being written: the log does not end properly, and its last records may be missing"
             }
         );
         Ok(())

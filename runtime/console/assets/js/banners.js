@@ -1,4 +1,4 @@
-/** What must not be overlooked: held, not connected, looking back. */
+/** What must not be overlooked: held, not connected, not recorded, looking back. */
 import { byId, mark, show, write, writeCut } from "./dom.js";
 import { age, hms } from "./format.js";
 
@@ -16,6 +16,10 @@ export class Banners {
       writeCut(byId("held-text"), `by ${hold.who || hold.by || "the operator"} since ${hms(hold.t)}. Plugins do not steer.`, 120);
     }
     this.lost(link, silence, dive, trouble);
+    const recording = now ? dive.held.recording.last : undefined;
+    const unwritten = recording?.written === false;
+    show(byId("banner-log"), unwritten);
+    if (unwritten) writeCut(byId("log-text"), `The dive is not recorded since ${hms(recording.t)}: ${recording.text}.`, 200);
     const back = clock.live && !clock.following && !dive.over;
     show(byId("banner-back"), back);
     if (back) write(byId("back-text"), `at ${hms(state.t)}, ${hms(clock.end - state.t)} ago. This is not now.`);

@@ -42,7 +42,7 @@ export class Dive {
     this.truth = new Columns(["lat", "lon", "depth_m", "water_depth_m"], 0.95);
     /** @type {Record<string, Series<any>>} values that hold until the next */
     this.held = {};
-    for (const name of ["status", "control", "steering", "mission", "element", "counts", "integrity",
+    for (const name of ["status", "control", "steering", "mission", "element", "counts", "integrity", "recording",
       "operator", "who", "pace", "map:plan", "map:inserts", "map:requests", "end"]) {
       this.held[name] = new Series();
     }

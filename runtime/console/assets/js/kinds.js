@@ -219,7 +219,10 @@ export const takers = new Map(Object.entries({
   },
   /** @type {(dive: Dive, item: any) => void} */
   recording(dive, item) {
-    event(dive, item, "line", item.written === true ? "warn" : "error", "runtime", str(item.text, 300));
+    const written = item.written === true;
+    const text = str(item.text, 300);
+    dive.held.recording.push(item.t, { t: item.t, written, text });
+    event(dive, item, "line", written ? "warn" : "error", "runtime", text);
   },
   /** @type {(dive: Dive, item: any) => void} */
   end(dive, item) {

@@ -293,6 +293,7 @@ await t("live: moves on, looks back, returns with L", withPage(live, {}, async (
   await page.keyboard.press("l");
   await page.waitForTimeout(250);
   check(await page.locator("#banner-back").isHidden(), "L returns to live");
+  check(await page.locator("#banner-log").isHidden(), "a dive that is recorded says that it is not");
 }));
 await t("live: wrong token, hold, release", withPage(live, {}, async (page) => {
   await page.waitForFunction(() => !document.body.classList.contains("stale"));
@@ -315,6 +316,15 @@ await t("live: wrong token, hold, release", withPage(live, {}, async (page) => {
   check(await page.evaluate(() => localStorage.length + sessionStorage.length + document.cookie.length) === 0, "token stored");
   check(!page.url().includes("secret"), "token in the URL");
 }));
+await t("live: a dive that is not recorded says so", async () => {
+  const full = serve(["--mode", "live", "--invent", "--at", "1610"], 8317);
+  await withPage(full, {}, async (page) => {
+    await page.waitForFunction(() => !document.body.classList.contains("stale"));
+    await expectText(page, "log-text", /not recorded since .*: the log ends here, the run continues: No space left on device\./);
+    check(await page.locator("#banner-log").isVisible(), "the end of the log is not told");
+  })();
+  await (await full).stop();
+});
 await t("live: not possible now", withPage(live, {}, async (page) => {
   const act = async (name) => fetch((await live).url + "api/operator", { method: "POST", headers: { Authorization: "Bearer secret" }, body: JSON.stringify({ act: name, who: "Bob" }) });
   await page.waitForFunction(() => !document.body.classList.contains("stale"));

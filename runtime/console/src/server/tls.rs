@@ -1,5 +1,5 @@
 use std::fs::File;
-use std::io::Read as _;
+use std::io::{ErrorKind, Read as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -64,7 +64,14 @@ fn read(path: &Path) -> Result<(Vec<u8>, u32), ServerError> {
         return Err(wrong(path, "not a file in PEM".to_owned()));
     }
     let mut bytes = Vec::new();
-    let file = File::open(path).map_err(unread)?;
+    let file = File::open(path).map_err(|error| {
+        if error.kind() == ErrorKind::PermissionDenied {
+            let to_do = "chown it to the user as whom this program runs, and chmod 600";
+            wrong(path, format!("{error}: {to_do}"))
+        } else {
+            unread(error)
+        }
+    })?;
     file.take(FILE_MAX).read_to_end(&mut bytes).map_err(unread)?;
     Ok((bytes, found.mode()))
 }

@@ -191,6 +191,25 @@ fn requirement_023_a_late_answer_to_a_subscription_sets_no_clock() {
 }
 
 #[test]
+fn requirement_023_an_answer_to_a_subscription_after_a_reconnection_sets_no_clock() {
+    let beat = |run: Scenario, ms| {
+        run.ours(ms, "BPSTS,{t},1,well")
+            .vehicle(ms + 5, &answer(&format!("STS,{}", stamp(ms)), ms + 5, 0))
+    };
+    // The answer may be to a BPLOG of the connection before. Its time is of 4 s ago.
+    let run = |run: Scenario| {
+        let run = run.beats_until(4500).without_answers().reconnects(5000, 5100);
+        let run = run.ours(5150, "BPLOG,ACK,ON");
+        let run = run.vehicle(5160, &answer("LOG,000000.000", 1160, 0));
+        [5400, 6400].into_iter().fold(run, beat)
+    };
+    let before = Scenario::with_control().ours(4900, "BPLOG,ACK,ON");
+    modified(run(before), 7000).finds_nothing();
+    // No BPLOG left before.
+    modified(run(Scenario::with_control()), 7000).finds(&["clock-set"]);
+}
+
+#[test]
 fn requirement_023_the_runtime_may_not_know_of_a_clock_that_was_set_as_the_link_was_lost() {
     let beat = |run: Scenario, (ms, by_ms)| {
         run.ours(ms, "BPSTS,{t},1,well")

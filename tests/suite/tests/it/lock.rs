@@ -114,15 +114,20 @@ fn a_locked_mission_runs_only_as_it_was_signed() {
             "mission.toml",
             "speed_max_mps = 2.0",
             "speed_max_mps = 2.1",
-            "the limits differ",
+            "the limits differ (",
         ),
         (
             "fence.geojson",
             "\"margin_m\": ",
             "\"margin_m\": 1",
-            "the fence differs",
+            "fence.geojson): restore what Ann signed",
         ),
-        ("plan.toml", "speed_mps = 1.5", "speed_mps = 1.4", "the plan differs"),
+        (
+            "plan.toml",
+            "speed_mps = 1.5",
+            "speed_mps = 1.4",
+            "plan.toml): restore what Ann signed",
+        ),
     ] {
         let path = mission.path().join(file);
         let before = fs::read_to_string(&path).expect("it is there");
@@ -135,7 +140,7 @@ fn a_locked_mission_runs_only_as_it_was_signed() {
     let path = mission.path().join("pilot.wasm");
     let before = fs::read(&path).expect("it is there");
     fs::copy(backseat_test_support::plugins().join("echo.wasm"), &path).expect("there is room");
-    refused(locked(&mission, "ann.pub"), "plugin template");
+    refused(locked(&mission, "ann.pub"), "pilot.wasm): restore what Ann signed");
     fs::write(&path, before).expect("there is room");
     refused(
         locked(&mission, "ann.pub").args(["--set", "vehicle.name=another"]),
@@ -171,7 +176,18 @@ fn a_check_tells_that_a_mission_is_not_as_it_was_signed() {
     let mission = mission.edit("fence.geojson", "\"margin_m\": ", "\"margin_m\": 1");
     let changed = check(&mission).run();
     assert!(
-        changed.stdout.contains("warning: mission.lock: the fence differs") && changed.stdout.contains("sign anew"),
+        changed.stdout.contains("warning: mission.lock: the fence differs (")
+            && changed
+                .stdout
+                .contains("fence.geojson), so that `run --locked` refuses")
+            && changed.stdout.contains("sign anew"),
+        "{changed}"
+    );
+    assert!(
+        changed
+            .stdout
+            .trim_end()
+            .ends_with("\nready, but not for `run --locked`"),
         "{changed}"
     );
     fs::write(mission.path().join("mission.lock"), "x").expect("there is room");

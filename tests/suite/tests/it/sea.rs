@@ -2,7 +2,7 @@
 
 use backseat_suite::{Backseat, Finished, Mission};
 
-const NOT_LOOKED_AT: &str = "world.toml not read: this program was built for sea, without the simulation";
+const NOT_LOOKED_AT: &str = "this program was built for sea, without the simulation: of world.toml it reads the plan, if [plan] names it, and nothing else";
 const GARBAGE: &str = "nonsense\n";
 
 fn check(mission: &Mission, arguments: &[&str]) -> Finished {

@@ -19,7 +19,7 @@ export class Banners {
     const recording = now ? dive.held.recording.last : undefined;
     const unwritten = recording?.written === false;
     show(byId("banner-log"), unwritten);
-    if (unwritten) writeCut(byId("log-text"), `The dive is not recorded since ${hms(recording.t)}: ${recording.text}.`, 200);
+    if (unwritten) writeCut(byId("log-text"), `The dive has not been recorded since ${hms(recording.t)}: ${recording.text}.`, 200);
     const back = clock.live && !clock.following && !dive.over;
     show(byId("banner-back"), back);
     if (back) write(byId("back-text"), `at ${hms(state.t)}, ${hms(clock.end - state.t)} ago. This is not now.`);

@@ -320,7 +320,7 @@ await t("live: a dive that is not recorded says so", async () => {
   const full = serve(["--mode", "live", "--invent", "--at", "1610"], 8317);
   await withPage(full, {}, async (page) => {
     await page.waitForFunction(() => !document.body.classList.contains("stale"));
-    await expectText(page, "log-text", /not recorded since .*: the log ends here, the run continues: No space left on device\./);
+    await expectText(page, "log-text", /not been recorded since .*: the log ends here, the run continues: No space left on device\./);
     check(await page.locator("#banner-log").isVisible(), "the end of the log is not told");
   })();
   await (await full).stop();

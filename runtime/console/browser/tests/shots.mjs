@@ -49,6 +49,9 @@ await shoot("live-hold", live.url, {}, async (page) => {
 });
 await shoot("live-lost", live.url, {}, async (page) => { await live.stop(); await page.waitForTimeout(4500); });
 await live.stop().catch(() => {});
+const unrecorded = await mock(["--mode", "live", "--invent", "--at", "1610"], 8304);
+await shoot("live-no-log", unrecorded.url, {}, (page) => page.waitForTimeout(1500));
+await unrecorded.stop();
 const sim = await mock(["--mode", "live", "--kind", "simulated", "--invent", "--at", "1200", "--times", "10"], 8303);
 await shoot("simulated-back-dark", sim.url, { colorScheme: "dark" }, seek(765));
 await sim.stop();

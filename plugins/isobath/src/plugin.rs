@@ -309,11 +309,13 @@ impl Isobath {
         self.state.lock = lock;
         if lock {
             log::debug!("bottom lock");
-        } else {
+        } else if self.state.control {
             log::warn!(
                 "no bottom lock: holding the heading for at most {} s",
                 self.config.hold_s
             );
+        } else {
+            log::warn!("no bottom lock");
         }
     }
 

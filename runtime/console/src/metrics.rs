@@ -84,12 +84,9 @@ impl Metrics {
             "Whether navigation is plausible, NaN while none comes",
         );
         let recording = number("log_written", "Whether the log of the run is written");
-        // A simulation may have no log.
-        recording.set(if matches!(about.kind, Kind::Simulated) {
-            f64::NAN
-        } else {
-            1.0
-        });
+        // A simulation that nobody can hold may have no log.
+        let unknown = matches!(about.kind, Kind::Simulated) && !about.operator;
+        recording.set(if unknown { f64::NAN } else { 1.0 });
         let round_trip = number(
             "round_trip_seconds",
             "From the last command that was acknowledged to its acknowledgement",

@@ -40,7 +40,7 @@ pub fn find_component(
     if !is_path {
         looked.push_str(
             "; --plugins DIR or the environment's BACKSEAT_PLUGINS names another folder. In a clone of the project, \
-             `cargo xtask plugins` builds its own",
+             `cargo xtask plugins` builds its own, and `cargo xtask python` those in Python",
         );
     }
     Err(MissionError::NoComponent {

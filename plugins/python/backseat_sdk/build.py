@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import ast
 import importlib.metadata
+import importlib.util
 import os
 import re
 import subprocess
@@ -126,10 +127,33 @@ def _check_sources(folder: Path, module: str) -> None:
     if not found:
         raise BuildError(f"{folder}: no {module}.py; name another module with --module")
     for path in _python_files(folder):
-        try:
-            ast.parse(path.read_text(encoding="utf-8"), str(path))
-        except SyntaxError as error:
-            raise BuildError(f"{path}:{error.lineno}: {error.msg}") from None
+        _parsed(path)
+    _check_imports(folder, found[0], {found[0]})
+
+
+def _parsed(path: Path) -> ast.Module:
+    try:
+        return ast.parse(path.read_text(encoding="utf-8"), str(path))
+    except SyntaxError as error:
+        raise BuildError(f"{path}:{error.lineno}: {error.msg}") from None
+
+
+def _check_imports(folder: Path, path: Path, seen: set[Path]) -> None:
+    """Finds a package that this Python lacks among what a source, and each module beside it that it needs, always imports."""
+    for statement in _parsed(path).body:
+        if isinstance(statement, ast.Import):
+            tops = {each.name.partition(".")[0] for each in statement.names}
+        elif isinstance(statement, ast.ImportFrom) and statement.level == 0 and statement.module:
+            tops = {statement.module.partition(".")[0]}
+        else:
+            continue
+        for top in sorted(tops):
+            beside = [path for path in (folder / f"{top}.py", folder / top) if path.exists()]
+            if not beside and importlib.util.find_spec(top) is None:
+                raise BuildError(f"{path}:{statement.lineno}: no module named {top!r} ({NO_PACKAGES})")
+            if beside and beside[0].is_file() and beside[0] not in seen:
+                seen.add(beside[0])
+                _check_imports(folder, beside[0], seen)
 
 
 def _python_files(folder: Path) -> Iterator[Path]:
@@ -196,13 +220,18 @@ def main(arguments: list[str] | None = None) -> int:
     """The command line; the exit code is 0, or 1 after one line that says what is wrong."""
     parser = argparse.ArgumentParser(prog="python -m backseat_sdk.build", description="Build a plugin's component")
     parser.add_argument("folder", metavar="DIR", type=Path, help="the folder with the plugin")
-    parser.add_argument("-o", "--output", metavar="NAME.wasm", type=Path, required=True, help="the component to write")
+    task = parser.add_mutually_exclusive_group(required=True)
+    task.add_argument("-o", "--output", metavar="NAME.wasm", type=Path, help="the component to write")
+    task.add_argument("--check", action="store_true", help="only check the sources; build nothing")
     parser.add_argument("--module", default="plugin", help="the module with the plugin's class [default: plugin]")
     parser.add_argument("--class", dest="name", help="the plugin's class, if the module has several")
     parser.add_argument("--wit", metavar="DIR", type=Path, help="the folder with plugin.wit [default: the SDK's own]")
     given = parser.parse_args(arguments)
     began = time.monotonic()
     try:
+        if given.check:
+            _check_sources(given.folder, given.module)
+            return 0
         build(given.folder, given.output, given.module, given.name, given.wit)
     except (BuildError, OSError) as error:
         print(f"backseat_sdk.build: {error}", file=sys.stderr)

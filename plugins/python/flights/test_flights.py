@@ -74,11 +74,11 @@ def test_the_mission_briefs_the_plugin(faulty, fly):
     for line in (
         "bay: 3.0 m, 36.0 m, 1 area",
         "holes: 0",
-        "grants: modify, message",
+        "grants: modify",
         "fuel: 20000000, inserts: 4",
     ):
         assert line in lines, lines
-    refused = fly("template-python", edits=[('grants = ["modify", "message"]', 'grants = ["message"]')])
+    refused = fly("template-python", edits=[('grants = ["modify"]', 'grants = ["message"]')])
     assert refused.code == 2 and "modify" in refused.stderr, refused.stderr
 
 
@@ -101,7 +101,8 @@ def test_an_exception_in_a_step_is_told_with_its_lines_and_the_instance_goes_on(
 
 def test_an_exception_of_every_step_fills_no_log_and_ends_in_quarantine(faulty):
     flight = faulty("raise-always")
-    assert flight.report["plugin_failures"] == {"faulty": 6}
+    assert flight.code == 1, "whatever the mission expects"
+    assert flight.report["plugin_failures"] == {"faulty": 6} and flight.report["unmet"] == []
     assert flight.lines.count("in divide: return one / other") == 1
 
 

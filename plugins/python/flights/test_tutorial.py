@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from conftest import commands
+from conftest import ROOT, commands
 
 PAGE = "runtime/docs/adaptive-lawnmower-in-python.md"
 
@@ -40,5 +40,8 @@ def test_the_adaptive_lawnmower_flies_as_its_tutorial_says(tmp_path):
     assert len(shares) == 11, said
     for adaptive, even in zip(shares[1::2], shares[2::2]):
         assert adaptive > 1.25 * even, shares
+    *first, last = (f"{adaptive:.0f}" for adaptive in shares[1::2])
+    told = f"{', '.join(first)} and {last} % of the adaptive survey is in warm water"
+    assert told in (ROOT / PAGE).read_text(encoding="utf-8"), shares
     assert numbers(done.stdout, "lawnmower.lines") == [7.0, 4.0, 11.0], said
     assert (tmp_path / "lawnmower/adaptive.svg").read_text(encoding="utf-8").startswith("<svg")

@@ -85,6 +85,19 @@ def test_a_folder_without_a_plugin_is_refused_in_one_line(tmp_path, capsys):
     assert not output.exists()
 
 
+def test_a_package_that_is_missing_is_told_before_anything_is_built_or_tested(tmp_path, capsys):
+    (tmp_path / "plugin.py").write_text("import helper\nimport math\n", encoding="utf-8")
+    (tmp_path / "helper.py").write_text("import json\nimport plugin\nimport no_such_package.part\n", encoding="utf-8")
+    said = run(capsys, tmp_path, "--check")
+    assert "helper.py:3: no module named 'no_such_package' (a plugin has Python's standard library" in said
+    # What an author's own tests import runs here, and what is tried for may be missing.
+    (tmp_path / "test_plugin.py").write_text("import no_such_package\n", encoding="utf-8")
+    (tmp_path / "helper.py").write_text(
+        "try:\n    import no_such_package\nexcept ImportError:\n    pass\n", encoding="utf-8"
+    )
+    assert build.main([str(tmp_path), "--check"]) == 0
+
+
 def test_another_version_of_componentize_py_is_refused(tmp_path, capsys, monkeypatch):
     (tmp_path / "plugin.py").write_text("x = 1\n", encoding="utf-8")
     monkeypatch.setattr(build.importlib.metadata, "version", lambda _: "0.24.0")

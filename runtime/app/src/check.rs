@@ -1,9 +1,10 @@
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use backseat_core::PluginSetup;
 use backseat_core::plugin::Topic;
 use backseat_fence::{Kind, Window, Zone};
+use backseat_lock::LOCK;
 use backseat_mission::{Mission, with_suggestion};
 use backseat_plugin_host::{COMPILE_TIME, COMPONENT_BYTES, Host, Origin};
 use backseat_plugin_loader::load_plugins;
@@ -14,7 +15,8 @@ use crate::arguments::MissionArguments;
 use crate::cache::host;
 use crate::check::machine::RoomForLogs;
 use crate::clock::Clock;
-use crate::lock::{BesideLock, beside_lock, sign, signer};
+use crate::lock::{BesideLock, Locked, beside_lock, sign, signer};
+use crate::one_line;
 use crate::output::{kib, say};
 use crate::run::host_and_port;
 use crate::state::State;
@@ -56,6 +58,9 @@ pub(crate) struct Check {
     /// by `backseat key`
     #[arg(long, value_name = "NAME.key")]
     pub(crate) sign: Option<PathBuf>,
+    /// Check also that the mission is as somebody signed it with the secret key of this pair, as `run --locked` does
+    #[arg(long, value_name = "NAME.pub", conflicts_with = "sign")]
+    pub(crate) locked: Option<PathBuf>,
     /// Who signs, for the lock and the log [default: the user's name]
     #[arg(long, value_name = "WHO", requires = "sign", value_parser = signer)]
     pub(crate) signer: Option<String>,
@@ -199,7 +204,16 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         Err(error) => findings.push(format!("state: {error:#}")),
     }
     let mut refused_if_locked = false;
-    if let (Some(loaded), None) = (&loaded, &arguments.sign) {
+    if let Some(key) = &arguments.locked {
+        let compared = Locked::read(&mission, key).and_then(|locked| match &loaded {
+            Some(loaded) => locked.compare(&mission, &loaded.components, arguments.mission.plugins.as_deref()),
+            None => bail!("{LOCK}: not compared, because the plugins cannot be loaded"),
+        });
+        match compared {
+            Ok(signed) => say!("{LOCK}: {signed}, and nothing differs"),
+            Err(error) => findings.push(one_line(&error)),
+        }
+    } else if let (Some(loaded), None) = (&loaded, &arguments.sign) {
         match beside_lock(&mission, &loaded.components, arguments.mission.plugins.as_deref())? {
             BesideLock::None => {}
             BesideLock::Same(line) => say!("{line}"),

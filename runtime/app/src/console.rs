@@ -110,10 +110,15 @@ impl ConsoleArguments {
     pub(crate) fn open(&self) -> Result<Console> {
         let listener = match (self.console, &self.console_cert, &self.console_key) {
             (None, ..) => None,
-            (Some(address), Some(certificate), Some(key)) => {
-                let tls = Tls::read(certificate, key).context("--console-cert and --console-key")?;
-                Some(Listener::open_to_all(address, tls))
-            }
+            (Some(address), Some(certificate), Some(key)) => match Tls::read(certificate, key) {
+                Ok(tls) => Some(Listener::open_to_all(address, tls)),
+                // As with a port: whoever changes a file of the console must not end the steering at the next start.
+                Err(why) if is_managed() => {
+                    error!("the run goes on without --console: --console-cert and --console-key: {why}");
+                    None
+                }
+                Err(why) => return Err(why).context("--console-cert and --console-key"),
+            },
             (Some(address), ..) => Some(Listener::open(address)),
         };
         Ok(Console {

@@ -159,7 +159,10 @@ pub(crate) fn beside_lock(
     };
     let now = contents(mission, components, &[], &program_sha256()?, "", "")?;
     Ok(match signed.difference(&now) {
-        None => BesideLock::Same(format!("{LOCK}: nothing differs from what {} signed", signed.signed_by)),
+        None => BesideLock::Same(format!(
+            "{LOCK}: nothing differs from what it says that {} signed; check --locked NAME.pub looks at the signature too",
+            signed.signed_by
+        )),
         Some(difference) => BesideLock::Refused(format!(
             "{LOCK}: {}, so that `run --locked` refuses this mission: restore what {} signed, or sign anew",
             with_file(&difference, mission, folder),

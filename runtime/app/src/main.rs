@@ -151,7 +151,11 @@ fn ended(result: anyhow::Result<u8>) -> ExitCode {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             // One line: what, where, what to do. Plugins have their own readers of their settings.
-            terminal::tell_error(&format!("error: {}", with_suggestion(&one_line(&error))));
+            terminal::tell_error(&format!(
+                "error: {}{}",
+                with_suggestion(&one_line(&error)),
+                owner::who_asked(&error)
+            ));
             ExitCode::from(UNUSABLE)
         }
     }

@@ -58,6 +58,19 @@ pub(crate) fn not_made(folder: &Path, error: Error) -> anyhow::Error {
     ))
 }
 
+/// As whom this program runs, to follow an error in which access was denied and that does not say it.
+pub(crate) fn who_asked(error: &anyhow::Error) -> String {
+    let denied = error.chain().any(|cause| {
+        cause
+            .downcast_ref::<Error>()
+            .is_some_and(|error| error.kind() == ErrorKind::PermissionDenied)
+    });
+    if !denied || format!("{error:#}").contains("this program runs") {
+        return String::new();
+    }
+    format!(": this program runs as {}", user(rustix::process::geteuid().as_raw()))
+}
+
 /// A user's name, or the number of one without a name.
 fn user(number: u32) -> String {
     let accounts = fs::read_to_string("/etc/passwd").unwrap_or_default();

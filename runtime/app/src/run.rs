@@ -168,7 +168,14 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         clock.utc_at_start(),
     );
     let mut recorder = open_log(&log, &mission, None, &loaded, &clock, listener)?.in_parts(parts);
-    info!("state: {}", folder.display());
+    if state.is_new() {
+        info!(
+            "state: {}, a new folder: no hold and no identifiers of an earlier run are known",
+            folder.display()
+        );
+    } else {
+        info!("state: {}", folder.display());
+    }
     let cached = loaded.origins.iter().filter(|origin| **origin == Origin::Cache).count();
     LogRoom::new(current, &mission.name, arguments.log_quota).watch()?;
     info!(

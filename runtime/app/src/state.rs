@@ -13,6 +13,8 @@ use crate::owner::{explained, not_made};
 
 /// The name of the file that is locked.
 const LOCK: &str = "lock";
+/// The name of a file that is made and removed, to see whether that works.
+const PROBE: &str = "probe";
 /// The name of the record.
 const IDENTIFIERS: &str = "identifiers";
 /// The name of the file that holds the vehicle's name.
@@ -22,6 +24,7 @@ pub(crate) struct State {
     folder: PathBuf,
     /// Locked while this process lives, however it ends: two processes that read one record would use the same numbers.
     _lock: fs::File,
+    is_new: bool,
 }
 
 impl State {
@@ -61,10 +64,19 @@ impl State {
         let folder = folder.to_path_buf();
         fs::create_dir_all(&folder).map_err(|error| not_made(&folder, error))?;
         let path = folder.join(LOCK);
+        let is_new = !path.exists();
         let lock = fs::File::create(&path).map_err(|error| explained(&path, error))?;
         match lock.try_lock() {
             Ok(()) => {
-                let state = Self { folder, _lock: lock };
+                // What is there may be open to us although nothing can be added: no hold would be kept.
+                let probe = folder.join(PROBE);
+                let added = fs::File::create(&probe).and_then(|_| fs::remove_file(&probe));
+                added.map_err(|error| explained(&probe, error))?;
+                let state = Self {
+                    folder,
+                    _lock: lock,
+                    is_new,
+                };
                 state.claim(vehicle)?;
                 Ok(state)
             }
@@ -74,6 +86,11 @@ impl State {
             ),
             Err(fs::TryLockError::Error(error)) => Err(error).with_context(|| format!("{}", path.display())),
         }
+    }
+
+    /// Whether no run has used the folder before: then a hold or identifiers that an earlier run kept elsewhere are not known.
+    pub(crate) const fn is_new(&self) -> bool {
+        self.is_new
     }
 
     /// The files that a run of a folder writes.
@@ -395,6 +412,17 @@ mod tests {
         assert!(state.held());
         state.set_held(false).unwrap();
         assert!(!state.held());
+    }
+
+    #[test]
+    fn sr_015_a_folder_that_can_keep_no_hold_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(State::open(folder.path(), None).unwrap().is_new());
+        assert!(!State::open(folder.path(), None).unwrap().is_new());
+        // A folder in the place of the file makes adding it fail, for root too.
+        fs::create_dir(folder.path().join(PROBE)).unwrap();
+        let error = State::open(folder.path(), None).err().unwrap();
+        assert!(format!("{error:#}").contains("probe"), "{error:#}");
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A tool ran and failed; its message is on standard error.
-    #[error("{tool} failed in {directory}: {status}")]
+    #[error("{directory}: {tool} failed ({status}): its lines above say why")]
     Failed {
         /// `cargo build`, `cargo metadata` or `rustc`.
         tool: &'static str,

@@ -99,7 +99,7 @@ fn set_plugin(file: &mut Table, set: &Set<'_>, key: &str) -> Result<(), String> 
         .min_by_key(|(key, _)| key.len());
     let Some((key, table)) = found else {
         return Err(format!(
-            "expected plugin.NAME.KEY with the name of a plugin of this mission: {}",
+            "expected plugin.NAME.KEY, and NAME is a plugin of this mission: {}",
             names.join(", ")
         ));
     };
@@ -169,10 +169,7 @@ mod tests {
     #[test]
     fn what_cannot_be_set_is_said() {
         for (text, expected) in [
-            (
-                "plugin.c.config.x=1",
-                "the name of a plugin of this mission: `a`, `a.b`",
-            ),
+            ("plugin.c.config.x=1", "NAME is a plugin of this mission: `a`, `a.b`"),
             ("plugin=1", "expected plugin.NAME.KEY"),
             ("plugin.a.=1", "invalid key ``"),
             ("plugin.a.name.x=1", "name is of type string, and has no keys"),

@@ -184,7 +184,8 @@ impl Host {
     fn is_compiling(&self, name: &str, size_mb: f64) -> String {
         let next = match &self.cache {
             Some(cache) if cache.is_in_use() => "the next start takes it from the cache",
-            Some(_) | None => "each start compiles it, because there is no cache",
+            Some(_) => "each start compiles it, because there is no cache",
+            None => "neither taken from a cache nor kept in one",
         };
         format!("plugin `{name}`: compiling its {size_mb:.1} MB of WebAssembly, which may take a minute; {next}")
     }
@@ -335,8 +336,8 @@ mod tests {
         let alone = host.is_compiling("front", 18.13);
         assert_eq!(
             alone,
-            "plugin `front`: compiling its 18.1 MB of WebAssembly, which may take a minute; each start compiles it, \
-             because there is no cache"
+            "plugin `front`: compiling its 18.1 MB of WebAssembly, which may take a minute; neither taken from a cache \
+             nor kept in one"
         );
         let cached = host.with_cache(Some(Cache::new("/var/cache/backseat", |_| {})));
         assert!(

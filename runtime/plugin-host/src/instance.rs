@@ -265,7 +265,7 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
     };
     let text = match kind {
         FaultKind::OutOfFuel => format!(
-            "used all its fuel: {} units in one call: too much for one step, or a loop without end (plugin.budget in mission.toml)",
+            "used all its fuel: {} units in one call: too much for one step, or a loop without end (plugin.budget.fuel_per_step in mission.toml)",
             state.fuel
         ),
         FaultKind::Deadline => DEADLINE.to_owned(),

@@ -118,7 +118,16 @@ impl Python {
     }
 
     /// Runs the author's unit tests with pytest, whose output goes to this program's streams. Returns whether they passed.
+    /// What the SDK says about sources that no test and no component can be made of goes to standard error.
     pub(crate) fn unit_tests(&self, project: &Project) -> Result<bool, ToolError> {
+        let mut check = self.command();
+        check.args(["-m", "backseat_sdk.build", ".", "--check"]);
+        let status = check.current_dir(project.folder()).status();
+        if !status.map_err(of_file(project.folder()))?.success() {
+            return Err(ToolError::PythonBuild {
+                folder: project.folder().to_path_buf(),
+            });
+        }
         let mut command = self.command();
         command.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]);
         let status = command

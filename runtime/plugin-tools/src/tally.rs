@@ -280,5 +280,8 @@ impl KindTally {
 /// What has ended a request, in words.
 fn words_of(cause: &str) -> String {
     let known = EndCause::ALL.iter().find(|known| known.name() == cause);
-    known.map_or_else(|| cause.replace('-', " "), |known| known.text().to_owned())
+    known.map_or_else(
+        || format!("a later check refused it: {cause}"),
+        |known| known.text().to_owned(),
+    )
 }

@@ -22,15 +22,15 @@ pub const PANICKED: u8 = 101;
 pub const EXITS: [Exit; 5] = [
     Exit {
         code: MET,
-        meaning: "Done. `sim`: every expectation held. `check`: ready. `fly`, `log judge`: no rule broke. `replay`: all \
+        meaning: "Done. `sim`: every expectation held, and no plugin was quarantined. `check`: ready. `fly`, `log judge`: no rule broke. `replay`: all \
                   is identical. `s7k verify`: no fault. `plugin test`: tests and flights passed. `plugin check`: no \
                   objection. `run`: ended in order, also by a signal. `campaign`: every run met its expectations; with \
                   `--shard`, every run of the shard was flown.",
     },
     Exit {
         code: UNMET,
-        meaning: "Done, and the answer is no. `sim`: an expectation did not hold, or a file of the sonar's recording \
-                  could not be written. `check`: not ready. `doctor`: something is bad. `swap`: the new version was not \
+        meaning: "Done, and the answer is no. `sim`: an expectation did not hold, a plugin was quarantined, or a file \
+                  of the sonar's recording could not be written. `check`: not ready. `doctor`: something is bad. `swap`: the new version was not \
                   taken or did not stay. `spi connect`: the vehicle said nothing. `fly`, `log judge`: \
                   a rule broke. `replay`: something differs. `s7k verify`: a fault in the recording. `plugin test`: a \
                   test or a flight failed. `plugin inspect`: not a plugin. `plugin check`: an objection. \

@@ -52,12 +52,12 @@ pub(crate) fn backseat(program: &Path) -> Command {
     command
 }
 
-/// Runs a command in the workspace, and fails if it fails.
+/// Runs a command in its folder, or else in the workspace, and fails if it fails.
 pub(crate) fn run(command: &mut Command) -> Result<()> {
-    let status = command
-        .current_dir(root()?)
-        .status()
-        .with_context(|| format!("{command:?}"))?;
+    if command.get_current_dir().is_none() {
+        command.current_dir(root()?);
+    }
+    let status = command.status().with_context(|| format!("{command:?}"))?;
     if !status.success() {
         bail!("{command:?} ended with {status}");
     }
@@ -80,4 +80,23 @@ pub(crate) fn add_target(target: &str) -> Result<()> {
     println!("> rustup target add {target}");
     run(Command::new("rustup").args(["target", "add", target]))
         .with_context(|| format!("add it with `rustup target add {target}` on a machine with a network"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_runs_in_its_own_folder_if_it_has_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |command: &mut Command, name: &str| {
+            let told = folder.path().join(name);
+            run(command.args(["-c", "pwd -P > \"$0\""]).arg(&told)).unwrap();
+            PathBuf::from(std::fs::read_to_string(told).unwrap().trim_end())
+        };
+        let own = place(Command::new("sh").current_dir(folder.path()), "own");
+        assert_eq!(own, folder.path().canonicalize().unwrap());
+        let workspace = place(&mut Command::new("sh"), "workspace");
+        assert_eq!(workspace, root().unwrap().canonicalize().unwrap());
+    }
 }

@@ -219,7 +219,7 @@ impl Report {
         ];
         lines.extend(self.control_words().map(|words| format!("  {words}")));
         if !self.complete {
-            lines.push("  the log is cut short: its last records may be missing".to_owned());
+            lines.push("  the log is cut short, or still being written: its last records may be missing".to_owned());
         }
         if self.missing > 0 {
             lines.push(format!("  {} records are missing: the disk was too slow", self.missing));

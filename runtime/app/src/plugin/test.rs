@@ -26,13 +26,21 @@ pub(crate) struct Test {
 
 pub(super) fn test(arguments: &Test) -> Result<bool> {
     let project = Project::open(&arguments.folder.dir)?;
+    // A mission with a mistake is told before the tests and the build, which take longer.
+    let folder = project.mission();
+    let layers = Layers {
+        set: Vec::new(),
+        environment: true,
+    };
+    let mission = Mission::load(&folder, &layers)?;
+    let scenario = Scenario::load(&mission)?;
     let kit = Kit::ready()?;
     if !unit_tests(&project, &kit, &tell)? {
         say!("the unit tests failed, so nothing was built and flown");
         return Ok(false);
     }
     build_project(&project, &kit)?;
-    let flown = fly(&project, arguments.seeds)?;
+    let flown = fly(&project, &mission, &scenario, arguments.seeds)?;
     say!(
         "{}: unit tests passed, {} of {} flights met what is expected",
         project.name(),
@@ -43,26 +51,19 @@ pub(super) fn test(arguments: &Test) -> Result<bool> {
 }
 
 /// Flies the project's mission. Returns how many flights met what is expected.
-fn fly(project: &Project, seeds: u64) -> Result<u64> {
-    let folder = project.mission();
-    let layers = Layers {
-        set: Vec::new(),
-        environment: true,
-    };
-    let mission = Mission::load(&folder, &layers)?;
+fn fly(project: &Project, mission: &Mission, scenario: &Scenario, seeds: u64) -> Result<u64> {
     let paths = mission.components(None)?;
     project.require_flown(&paths)?;
-    let scenario = Scenario::load(&mission)?;
-    let components = Components::load(&host_with(true)?, &mission, None)?;
+    let components = Components::load(&host_with(true)?, mission, None)?;
     let flights = Flights {
-        mission: &mission,
-        scenario: &scenario,
+        mission,
+        scenario,
         components: &components,
     };
     let mut good = 0;
     for seed in 1..=seeds {
         let report = flights.fly(seed)?;
-        say!("{}", line(&folder, &report));
+        say!("{}", line(&project.mission(), &report));
         good += u64::from(faults(&report).is_empty());
     }
     Ok(good)
@@ -93,7 +94,15 @@ fn line(folder: &Path, report: &Report) -> String {
 /// What was expected and did not happen, and what nobody has to state as expected: that no plugin fails.
 fn faults(report: &Report) -> Vec<String> {
     let failures = report.plugin_first_failures.iter();
-    let failed =
-        failures.map(|(plugin, first)| format!("plugin {plugin} failed at {:.1} s: {}", first.at_s, first.text));
+    let failed = failures.map(|(plugin, first)| {
+        let how_often = match report.plugin_failures.get(plugin) {
+            Some(count) if *count > 1 => format!("{count} times, first"),
+            _ => "once,".to_owned(),
+        };
+        format!(
+            "plugin {plugin} failed {how_often} at {:.1} s: {}",
+            first.at_s, first.text
+        )
+    });
     failed.chain(report.unmet.iter().cloned()).collect()
 }

@@ -12,6 +12,13 @@ use super::driver::Driver;
 const CLOCKS_APART_S: f64 = 60.0;
 /// Core's words for a vehicle's clock that was set.
 const CLOCK_SET: &str = "the vehicle's clock was set";
+/// How core's texts begin that somebody should see who reads warnings alone.
+const WORTH_A_LOOK: [&str; 4] = [
+    CLOCK_SET,
+    "the vehicle shuts our power off",
+    "the vehicle does not answer within",
+    "navigation jumped",
+];
 
 impl Driver {
     fn swap_ended(&mut self, plugin: PluginId, failed: Option<&str>) {
@@ -49,6 +56,11 @@ impl Driver {
             // One line says that the clock runs at another rate; another one each second says no more.
             Note::Clock { .. } if self.rate.is_off() => {}
             Note::Text { text } | Note::Navigation { text } if self.rate.is_off() && text.starts_with(CLOCK_SET) => {}
+            Note::Text { text } | Note::Navigation { text }
+                if WORTH_A_LOOK.iter().any(|begin| text.starts_with(begin)) =>
+            {
+                warn!("{told}");
+            }
             Note::Clock { .. } => info!("{told}"),
             Note::Control {
                 granted: false,
@@ -102,7 +114,7 @@ impl Driver {
             | Note::PluginLog { .. }
             | Note::Sonar { .. } => info!("{told}"),
             Note::Operator { act } => match act {
-                Operator::Hold => info!("operator: hold"),
+                Operator::Hold => warn!("operator: hold"),
                 Operator::Release => info!("operator: release"),
                 Operator::Stop => info!("operator: stop"),
                 Operator::Order(order) => info!("operator: {order}"),

@@ -54,7 +54,7 @@ fn more_memory_takes_more_fuel_before_it_is_refused() {
         (ended.kind, ended.text.as_str()),
         (
             FaultKind::OutOfFuel,
-            "used all its fuel: 100000 units in one call: too much for one step, or a loop without end (plugin.budget in mission.toml)"
+            "used all its fuel: 100000 units in one call: too much for one step, or a loop without end (plugin.budget.fuel_per_step in mission.toml)"
         )
     );
 }
@@ -94,7 +94,7 @@ fn init_has_a_budget_of_its_own() {
         .unwrap();
     assert_eq!(
         error.to_string(),
-        "faulty: cannot be started: used all its fuel: 1000 units in one call: too much for one step, or a loop without end (plugin.budget in mission.toml)"
+        "faulty: cannot be started: used all its fuel: 1000 units in one call: too much for one step, or a loop without end (plugin.budget.fuel_per_step in mission.toml)"
     );
 }
 

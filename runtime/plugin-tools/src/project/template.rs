@@ -21,6 +21,7 @@ pub(super) fn files(name: &str, language: Language, kit: &Kit) -> Vec<(String, S
                 ("Cargo.toml", manifest(name, kit)),
                 ("Cargo.lock", content.lock().of_plugin(name)),
                 (".gitignore", ignored("/target")),
+                ("rustfmt.toml", RUSTFMT.to_owned()),
             ]));
             for (path, _) in content.files() {
                 let source = path.strip_prefix("plugins/template/");
@@ -47,6 +48,9 @@ pub(super) fn files(name: &str, language: Language, kit: &Kit) -> Vec<(String, S
     }
     files
 }
+
+/// How the sources of the template are formatted.
+const RUSTFMT: &str = "max_width = 120\nuse_field_init_shorthand = true\n";
 
 fn ignored(made: &str) -> String {
     format!("{made}\n# What `backseat plugin build` makes.\n/*.wasm\n")
@@ -90,6 +94,8 @@ requires-python = ">=3.11"
 [tool.pytest.ini_options]
 # The SDK that the program `backseat` has unpacked; for an editor too.
 pythonpath = [".", {sdk}]
+# A test that takes longer than this, seconds, has an endless loop: pytest says where, and goes on waiting.
+faulthandler_timeout = 60
 "#
     )
 }

@@ -7,5 +7,6 @@ mod fence;
 mod held;
 mod mission;
 mod pages;
+mod prose;
 mod script;
 mod world;

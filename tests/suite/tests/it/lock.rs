@@ -170,10 +170,30 @@ fn a_check_tells_that_a_mission_is_not_as_it_was_signed() {
     let same = check(&mission).run().exit(0);
     assert!(
         same.stdout
-            .contains("mission.lock: nothing differs from what Ann signed"),
+            .contains("mission.lock: nothing differs from what it says that Ann signed; check --locked"),
         "{same}"
     );
+    let verified = || check(&mission).arg("--locked").arg(mission.beside("ann.pub")).run();
+    let trusted = verified().exit(0).stdout;
+    assert!(
+        trusted.contains("mission.lock: signed by Ann, ") && trusted.trim_end().ends_with("\nready"),
+        "{trusted}"
+    );
+    let lock = mission.read("mission.lock");
+    fs::write(mission.path().join("mission.lock"), lock.replace("Ann", "Bnn")).expect("there is room");
+    let forged = verified().exit(1).stdout;
+    assert!(
+        forged.contains("mission.lock: not signed with the key of") && forged.trim_end().ends_with("\nnot ready"),
+        "{forged}"
+    );
+    fs::write(mission.path().join("mission.lock"), lock).expect("there is room");
     let mission = mission.edit("fence.geojson", "\"margin_m\": ", "\"margin_m\": 1");
+    let differs = check(&mission)
+        .arg("--locked")
+        .arg(mission.beside("ann.pub"))
+        .run()
+        .exit(1);
+    assert!(differs.stdout.contains("the fence differs ("), "{differs}");
     let changed = check(&mission).run();
     assert!(
         changed.stdout.contains("warning: mission.lock: the fence differs (")
@@ -208,7 +228,7 @@ fn a_key_of_the_other_kind_is_told_as_such() {
 
 #[test]
 fn a_mission_that_is_not_ready_is_not_signed() {
-    let mission = mission().edit("mission.toml", "grants = [\"modify\", \"message\"]", "grants = []");
+    let mission = mission().edit("mission.toml", "grants = [\"modify\"]", "grants = []");
     key(&mission, "ann");
     let output = sign(&mission, "ann.key").exit(1);
     assert!(output.stdout.contains("not signed"), "{output}");

@@ -164,6 +164,12 @@ fn the_report_says_when_there_was_control_and_how_a_plugin_failed_first() {
         line.contains(" times, first at ") && line.ends_with(" s: faulty was told to fail"),
         "{line}"
     );
+    // A plugin that could not be started again to the end is a failed run, whatever the mission expects.
+    assert!(
+        report.stdout.contains("plugin pilot was quarantined at ") && !report.stdout.contains("expectation not met"),
+        "{report}"
+    );
+    let _failed = report.exit(1);
     // A panic is told with its place and its words, and not only as the trap in which it ends.
     let panicking = Mission::steady().edit("mission.toml", "fault = \"none\"", "fault = \"trap\"");
     let report = fly(&panicking, &[]);

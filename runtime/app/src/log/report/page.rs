@@ -37,7 +37,7 @@ pub(super) fn page(report: &Report) -> String {
                     }
                     span.soft { (report.log) ", backseat " (report.version) }
                 }
-                @if !report.complete { p.bad { "The log is cut short: its last records may be missing." } }
+                @if !report.complete { p.bad { "The log is cut short, or still being written: its last records may be missing." } }
                 @if report.missing > 0 {
                     p.bad { (report.missing) " records are missing: the disk was too slow." }
                 }

@@ -159,7 +159,7 @@ fn a_component_of_another_world_is_shown_and_not_admitted() {
 
 #[test]
 fn a_good_plugin_has_a_report_without_objections() {
-    let mission = Mission::copy("template");
+    let mission = Mission::copy("template").edit("mission.toml", "[\"modify\"]", "[\"modify\", \"message\"]");
     let report = check("template", &mission, &["--seeds", "3", "--json"]).exit(0).json();
     assert_eq!(report["passed"], true);
     assert_eq!(report["trials"]["outcomes"], json!({"completed": 3}));
@@ -284,7 +284,7 @@ fn a_report_counts_refusals_and_the_grants_that_a_plugin_lacks() {
 
 #[test]
 fn a_plugin_that_says_it_needs_a_grant_is_refused_without_it() {
-    let mission = Mission::copy("template").edit("mission.toml", "[\"modify\", \"message\"]", "[\"message\"]");
+    let mission = Mission::copy("template").edit("mission.toml", "[\"modify\"]", "[\"message\"]");
     let line = check("template", &mission, &[]).refusal();
     assert!(line.contains("needs the grant modify: add it to `grants`"), "{line}");
 }

@@ -326,6 +326,31 @@ fn a_service_goes_on_without_a_console_whose_port_is_taken() {
 }
 
 #[test]
+fn a_service_goes_on_without_a_console_whose_certificate_cannot_be_read() {
+    let mission = Mission::steady();
+    let vehicle = Scripted::start(Behavior::default());
+    let begin = || {
+        let runtime = Backseat::new().args(["run", "--arm", "--connect", &vehicle.address, "--console=127.0.0.1:0"]);
+        let runtime = runtime.args([
+            "--console-cert",
+            "/nonexistent/cert",
+            "--console-key",
+            "/nonexistent/key",
+        ]);
+        let runtime = runtime.arg("--log").arg(mission.beside("logs"));
+        runtime.arg("--state").arg(mission.beside("state")).mission(&mission)
+    };
+    let refusal = begin().run().refusal();
+    assert!(refusal.contains("--console-cert and --console-key: "), "{refusal}");
+    let process = begin().env("NOTIFY_SOCKET", "/nonexistent/notify").spawn();
+    process.says(
+        "ERROR the run goes on without --console: --console-cert and --console-key: ",
+        SOON,
+    );
+    vehicle.hears("BPRMB", 3, SOON);
+}
+
+#[test]
 fn lines_in_the_journal_have_their_priority() {
     let mission = Mission::steady();
     let path = mission.beside("journal");

@@ -101,8 +101,8 @@ def test_an_exception_in_a_step_is_told_with_its_lines_and_the_instance_goes_on(
 
 def test_an_exception_of_every_step_fills_no_log_and_ends_in_quarantine(faulty):
     flight = faulty("raise-always")
-    assert flight.code == 1, "whatever the mission expects"
-    assert flight.report["plugin_failures"] == {"faulty": 6} and flight.report["unmet"] == []
+    assert flight.code == 1
+    assert flight.report["plugin_failures"] == {"faulty": 6} and "faulty" in flight.report["plugin_quarantines"]
     assert flight.lines.count("in divide: return one / other") == 1
 
 
@@ -179,11 +179,9 @@ def test_the_thermocline_is_found_and_tracked(fly, seed):
     assert flight.report["requests"]["rejected"] == 0
 
 
-def test_a_plugin_that_cannot_be_imported_is_refused_in_one_line_after_its_traceback(tmp_path):
+def test_a_plugin_that_needs_a_package_is_refused_in_one_line(tmp_path):
     (tmp_path / "plugin.py").write_text("import backseat_sdk\nimport numpy\n", encoding="utf-8")
     built = build(tmp_path, tmp_path / "x.wasm")
     assert built.returncode == 1
-    last = built.stderr.rstrip().splitlines()[-1]
-    assert "plugin.py:2: ModuleNotFoundError: No module named 'numpy'" in last
-    assert "Stack backtrace" not in built.stderr
+    assert "plugin.py:2: no module named 'numpy' (a plugin has " in built.stderr and built.stderr.count("\n") == 1
     assert not (tmp_path / "x.wasm").exists()

@@ -71,7 +71,9 @@ impl State {
                 // What is there may be open to us although nothing can be added: no hold would be kept.
                 let probe = folder.join(PROBE);
                 let added = fs::File::create(&probe).and_then(|_| fs::remove_file(&probe));
-                added.map_err(|error| explained(&probe, error))?;
+                added.map_err(|error| {
+                    explained(&probe, error).context(format!("{}: it could keep no hold", folder.display()))
+                })?;
                 let state = Self {
                     folder,
                     _lock: lock,

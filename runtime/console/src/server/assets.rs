@@ -29,3 +29,23 @@ pub(super) async fn file(uri: Uri) -> Response {
     // The files change with the program, and are near.
     ([(CONTENT_TYPE, kind), (CACHE_CONTROL, "no-cache")], file.data).into_response()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_time_of_the_computer_that_compiled_it_is_in_the_program() {
+        let files: Vec<_> = Assets::iter().collect();
+        assert!(files.len() > 10, "{files:?}");
+        for name in files {
+            let about = Assets::get(&name).unwrap().metadata;
+            // Zero, or none where the embedding says so.
+            assert_eq!(
+                (about.last_modified().unwrap_or(0), about.created().unwrap_or(0)),
+                (0, 0),
+                "{name}"
+            );
+        }
+    }
+}

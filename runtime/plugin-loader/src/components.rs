@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backseat_core::PluginSetup;
 use backseat_core::plugin::Judge;
-use backseat_mission::{Mission, PluginTable};
+use backseat_mission::{Mission, PluginTable, config_line};
 use backseat_plugin_host::{Brief, Budget, Component, Host, HostError, Plugin, Started};
 
 use crate::load::{LoadError, Loaded};
@@ -179,15 +179,35 @@ impl Compiled {
         };
         let judge: Arc<dyn Judge> = mission.envelope.clone();
         self.component.start(budget, &brief, judge).map_err(|source| {
-            let is_of_config = matches!(&source, HostError::Start { fault, .. } if fault.text.starts_with("config"));
+            let refused_config = if let HostError::Start { fault, .. } = &source {
+                fault.text.strip_prefix("config")
+            } else {
+                None
+            };
             LoadError::Host {
                 plugin: table.name.clone(),
                 path: self.path.clone(),
-                config_in: is_of_config.then(|| mission.folder.join("mission.toml")),
+                config_in: refused_config.map(|reason| config_place(mission, &table.name, reason)),
                 refused: Box::new(source),
             }
         })
     }
+}
+
+/// The mission file, and the line of the key that the reason of a refused config begins with, as in
+/// `: contour_m: expected…`, or that it quotes, as in ``: unknown key `contur_m` ``.
+fn config_place(mission: &Mission, plugin: &str, reason: &str) -> (PathBuf, Option<usize>) {
+    let path = mission.folder.join("mission.toml");
+    let begin = reason
+        .trim_start_matches([':', ' '])
+        .split([':', '['])
+        .next()
+        .unwrap_or("");
+    let key = begin.split('`').nth(1).unwrap_or(begin);
+    let line = std::fs::read_to_string(&path)
+        .ok()
+        .and_then(|text| config_line(&text, plugin, key));
+    (path, line)
 }
 
 fn refused(plugin: &str, path: &Path, source: HostError) -> LoadError {

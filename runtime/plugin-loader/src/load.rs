@@ -23,14 +23,14 @@ pub enum LoadError {
         reason: std::io::Error,
     },
     /// The host refuses it.
-    #[error("plugin `{plugin}` ({}): {}{}", path.display(), refused.reason(), place(config_in.as_deref()))]
+    #[error("plugin `{plugin}` ({}): {}{}", path.display(), refused.reason(), place(config_in.as_ref()))]
     Host {
         /// The plugin's name in the mission.
         plugin: String,
         /// The component.
         path: PathBuf,
-        /// The mission file, if the plugin refuses what it has under `[plugin.config]`.
-        config_in: Option<PathBuf>,
+        /// If the plugin refuses what the mission has under `[plugin.config]`: the mission file, and the line in it.
+        config_in: Option<(PathBuf, Option<usize>)>,
         /// The reason.
         refused: Box<HostError>,
     },
@@ -55,8 +55,12 @@ pub enum LoadError {
 }
 
 /// Where the config is that was refused.
-fn place(config_in: Option<&Path>) -> String {
-    config_in.map_or_else(String::new, |path| format!(" (in {}, or in --set)", path.display()))
+fn place(config_in: Option<&(PathBuf, Option<usize>)>) -> String {
+    match config_in {
+        None => String::new(),
+        Some((path, None)) => format!(" (in {}, or in --set)", path.display()),
+        Some((path, Some(line))) => format!(" (in {}, line {line}, or in --set)", path.display()),
+    }
 }
 
 /// A mission's plugins, started.

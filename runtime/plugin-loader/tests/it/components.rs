@@ -47,3 +47,39 @@ fn what_was_not_loaded_is_named_with_what_was() {
             .is_err()
     );
 }
+
+#[test]
+fn a_config_that_its_plugin_refuses_is_told_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("fence.geojson"), FENCE).unwrap();
+    let mut components = Components::new();
+    let bytes = std::fs::read(backseat_test_support::plugins().join("template.wasm")).unwrap();
+    let host = Host::new().unwrap();
+    components.insert(&host, "template", &bytes).unwrap();
+    let head = MISSION.replace("faulty", "template");
+    let config = head.lines().count() + 1;
+    for (text, line, reason) in [
+        (
+            "heading_deg = 90.0\ndepth_m = 10.0\nspeed_mps = 1.5\ndepht = 3",
+            config + 4,
+            "unknown field `depht`",
+        ),
+        (
+            "heading_deg = 90.0\ndepth_m = \"10\"\nspeed_mps = 1.5",
+            config + 2,
+            "depth_m: ",
+        ),
+        ("heading_deg = 90.0", config, "missing field"),
+    ] {
+        std::fs::write(
+            folder.path().join("mission.toml"),
+            format!("{head}[plugin.config]\n{text}\n"),
+        )
+        .unwrap();
+        let mission = Mission::load(folder.path(), &Layers::default()).unwrap();
+        let error = components.start(&mission).err().unwrap().to_string();
+        assert!(error.contains(reason), "{error}");
+        let place = format!("mission.toml, line {line}, or in --set)");
+        assert!(error.ends_with(&place), "{error}: expected {place}");
+    }
+}

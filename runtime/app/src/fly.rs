@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use backseat_core::Start;
 use backseat_mission::Mission;
 use backseat_mvc::{Mvc, Status as MissionStatus};
@@ -113,8 +113,7 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
     let within = runtime.enter();
     let signals = Signals::new()?;
     if let Some(path) = &arguments.map {
-        // Reports a file that cannot be written before the flight, not after it.
-        std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
+        crate::map::begin(path)?;
     }
     #[cfg(feature = "console")]
     let console = arguments.console.open()?;
@@ -258,7 +257,7 @@ pub(crate) fn fly(arguments: &Fly) -> Result<bool> {
     print_report(&report, &log)?;
     if let Some(path) = &arguments.map {
         let picture = survey_map(&mission, &scenario, &report, &flight.trace(), &vehicle);
-        std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
+        crate::map::write(path, &picture)?;
         say!("  map: {}", path.display());
         if arguments.open {
             open(path);

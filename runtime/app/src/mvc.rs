@@ -187,8 +187,7 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
         None => None,
     };
     if let Some(path) = &arguments.map {
-        // Reports a file that cannot be written before the run, not after it.
-        std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
+        crate::map::begin(path)?;
     }
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(serve(arguments, &scenario, vehicle, faults, log))?;
@@ -271,7 +270,7 @@ impl Results {
             let picture = sketch
                 .borrow()
                 .draw(&scenario.name(), arguments.vehicle.seed, clients, vehicle);
-            std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
+            crate::map::write(path, &picture)?;
             info!("map: {}", path.display());
             if arguments.open {
                 open(path);

@@ -78,8 +78,7 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
     let given = given.collect::<Result<_>>()?;
     #[cfg(feature = "simulation")]
     if let Some(path) = &arguments.map {
-        // Reports a file that cannot be written before the replay, not after it.
-        std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
+        crate::map::begin(path)?;
     }
     let mut playback =
         Playback::new(task, &host_with(!arguments.no_cache)?, given, arguments.steps).map_err(refused)?;
@@ -108,7 +107,7 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
     #[cfg(feature = "simulation")]
     if let Some(path) = &arguments.map {
         let picture = map::draw(&report, envelope.fence(), &arguments.log);
-        std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
+        crate::map::write(path, &picture)?;
         if arguments.open {
             crate::map::open(path);
         }

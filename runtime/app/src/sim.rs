@@ -161,8 +161,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         speed.unwrap_or(f64::INFINITY)
     };
     if let Some(path) = &arguments.map {
-        // Reports a file that cannot be written before the run, not after it.
-        std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
+        crate::map::begin(path)?;
     }
 
     if let [first, ..] = &mission.file.externals[..] {
@@ -221,7 +220,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
 
     if let Some(path) = &arguments.map {
         let picture = survey_map(&mission, &scenario, &report, &trace, &mvc);
-        std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
+        crate::map::write(path, &picture)?;
         if arguments.open {
             open(path);
         }

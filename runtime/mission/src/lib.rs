@@ -25,7 +25,6 @@ pub use external::ExternalTable;
 pub use fence::{FenceTable, Origin};
 pub use file::{BudgetTable, MissionFile, PlanTable, PluginTable, VehicleTable};
 pub use mission::{Layers, Mission, RecordedParts};
-pub use place::config_line;
 pub use plan::{FrontSeatPlan, expected_plan, first_difference};
 pub use predive::{Dive, beyond_class};
 pub use unknown::with_suggestion;

@@ -12,6 +12,7 @@ use crate::error::MissionError;
 use crate::external::{ExternalTable, check_externals};
 use crate::fence;
 use crate::file::{MissionFile, PluginTable, VehicleTable};
+use crate::place::config_line;
 use crate::plan::{self, FrontSeatPlan};
 use crate::set;
 use crate::sonar::check_sonar;
@@ -62,6 +63,8 @@ pub struct Mission {
     pub plan: Option<FrontSeatPlan>,
     /// The whole mission file after merging, as TOML.
     pub resolved: String,
+    /// The text of `mission.toml`; `None` if the mission was read from a log.
+    text: Option<String>,
 }
 
 /// What the log of a run has of its mission.
@@ -131,7 +134,10 @@ impl Mission {
             .unwrap_or_else(|_| folder.to_path_buf())
             .file_name()
             .map_or_else(|| "mission".to_owned(), |name| name.to_string_lossy().into_owned());
-        Self::assemble(name, folder, file, fence, plan)
+        Ok(Self {
+            text: Some(text),
+            ..Self::assemble(name, folder, file, fence, plan)?
+        })
     }
 
     /// Reads the mission of a run again from what the run's log has of it. The settings, the fence and the limits have
@@ -199,6 +205,7 @@ impl Mission {
             fence_as_read: fence.as_read,
             plan,
             resolved,
+            text: None,
         })
     }
 
@@ -206,6 +213,14 @@ impl Mission {
     #[must_use]
     pub fn other_fence(&self) -> Option<(&'static str, &str)> {
         self.fence_as_read.as_deref().map(|text| (self.fence_file, text))
+    }
+
+    /// The line, counted from 1, at which `mission.toml` has a key of a plugin's config: `contour_m`, or `area.east_m`
+    /// for a key of a table. If it lacks the key, the line of the table that lacks it; `None` if the plugin has no config there, and
+    /// for a mission that was read from a log.
+    #[must_use]
+    pub fn config_line(&self, plugin: &str, key: &str) -> Option<usize> {
+        config_line(self.text.as_deref()?, plugin, key)
     }
 
     /// Where each plugin's component is, in priority order.

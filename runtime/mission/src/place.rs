@@ -3,10 +3,8 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The line, counted from 1, at which the text of a `mission.toml` has a key of a plugin's config: `contour_m`, or
-/// `area.east_m` for a key of a table. If it lacks the key, the line of the table that lacks it; `None` if the plugin
-/// has no config there.
-pub fn config_line(text: &str, plugin: &str, key: &str) -> Option<usize> {
+/// What [`Mission::config_line`](crate::Mission::config_line) tells of the text of a `mission.toml`.
+pub(crate) fn config_line(text: &str, plugin: &str, key: &str) -> Option<usize> {
     let document = DeTable::parse(text).ok()?;
     let (_, plugins) = entry(document.get_ref(), "plugin")?;
     let DeValue::Array(plugins) = plugins else { return None };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use backseat_core::PluginSetup;
 use backseat_core::plugin::Judge;
-use backseat_mission::{Mission, PluginTable, config_line};
+use backseat_mission::{Mission, PluginTable};
 use backseat_plugin_host::{Brief, Budget, Component, Host, HostError, Plugin, Started};
 
 use crate::load::{LoadError, Loaded};
@@ -197,17 +197,13 @@ impl Compiled {
 /// The mission file, and the line of the key that the reason of a refused config begins with, as in
 /// `: contour_m: expected…`, or that it quotes, as in ``: unknown key `contur_m` ``.
 fn config_place(mission: &Mission, plugin: &str, reason: &str) -> (PathBuf, Option<usize>) {
-    let path = mission.folder.join("mission.toml");
     let begin = reason
         .trim_start_matches([':', ' '])
         .split([':', '['])
         .next()
         .unwrap_or("");
     let key = begin.split('`').nth(1).unwrap_or(begin);
-    let line = std::fs::read_to_string(&path)
-        .ok()
-        .and_then(|text| config_line(&text, plugin, key));
-    (path, line)
+    (mission.folder.join("mission.toml"), mission.config_line(plugin, key))
 }
 
 fn refused(plugin: &str, path: &Path, source: HostError) -> LoadError {

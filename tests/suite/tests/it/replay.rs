@@ -277,3 +277,34 @@ fn past_a_gap_a_replay_is_refused() {
         (&"gap".into(), &7.into())
     );
 }
+
+#[test]
+fn a_map_is_never_written_over_a_file_that_is_no_picture() {
+    let (mission, log) = flown();
+    let bytes = fs::read(&log).expect("the log can be read");
+    let link = mission.beside("link.svg");
+    std::os::unix::fs::symlink(&log, &link).expect("a link can be made");
+    for map in [&log, &link] {
+        let refused = replay(&log, &["--map", map.to_str().unwrap_or_default()]).exit(2);
+        assert!(refused.stderr.contains("the file is no picture"), "{refused}");
+        assert!(fs::read(&log).is_ok_and(|now| now == bytes), "the log has changed");
+    }
+    // Nor over the log that the run itself writes.
+    let both = mission.beside("both");
+    let flown = Backseat::new()
+        .args(["sim", "--log"])
+        .arg(&both)
+        .arg("--map")
+        .arg(&both)
+        .mission(&mission)
+        .run()
+        .exit(2);
+    assert!(flown.stderr.contains("the file is no picture"), "{flown}");
+    assert!(fs::read(&both).is_ok_and(|log| log.starts_with(b"\x89MCAP")));
+    // A picture takes the place of a picture.
+    let map = mission.beside("map.svg");
+    for _ in 0..2 {
+        let drawn = replay(&log, &["--map", map.to_str().unwrap_or_default()]);
+        assert_eq!(drawn.code, Some(0), "{drawn}");
+    }
+}

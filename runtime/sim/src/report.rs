@@ -28,7 +28,8 @@ pub struct Report {
     pub requests: RequestCounts,
     /// Requests without an end when the run ended; 0 in a good run.
     pub requests_open: usize,
-    /// Why requests were rejected, one example of each reason with how often it came.
+    /// Why requests were rejected, one example of each reason with how often it came. The last line counts those that core
+    /// only counted, because a plugin's requests were over its rate.
     pub rejections: Vec<String>,
     /// When the runtime had control, and why not.
     pub control: ControlTimes,
@@ -121,5 +122,36 @@ impl Report {
     #[must_use]
     pub fn passed(&self) -> bool {
         self.unmet.is_empty()
+    }
+}
+/// How often each reason came, and how many more of all that were rejected have none here.
+pub(crate) fn rejections<'a>(reasons: impl Iterator<Item = &'a (u64, String)>, rejected: u64) -> Vec<String> {
+    let mut told = 0;
+    let mut lines: Vec<String> = reasons
+        .map(|(count, reason)| {
+            told += count;
+            format!("{count} x {reason}")
+        })
+        .collect();
+    let untold = rejected.saturating_sub(told);
+    if untold > 0 {
+        lines.push(format!(
+            "{untold} x without being told one by one: over a plugin's rate, or for one more reason than these"
+        ));
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_counts_of_the_reasons_add_up_to_all_rejections() {
+        let reasons = [(2, "too deep".to_owned()), (1, "no control".to_owned())];
+        let all = rejections(reasons.iter(), 3);
+        assert_eq!(all, ["2 x too deep", "1 x no control"]);
+        let more = rejections(reasons.iter(), 10);
+        assert!(more.len() == 3 && more[2].starts_with("7 x "), "{more:?}");
     }
 }

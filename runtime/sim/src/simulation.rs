@@ -28,7 +28,7 @@ use crate::control::ControlTimes;
 use crate::digest::Digest;
 use crate::expectation;
 use crate::link::Lane;
-use crate::report::{FirstFailure, Published, Report};
+use crate::report::{FirstFailure, Published, Report, rejections};
 use crate::simulation::judge::Judge;
 use crate::simulation::process::{Process, Successor};
 use crate::simulation::sonars::Controller;
@@ -462,11 +462,7 @@ impl Simulation {
             faults: self.faults_begun,
             requests,
             requests_open,
-            rejections: self
-                .reasons
-                .values()
-                .map(|(count, reason)| format!("{count} x {reason}"))
-                .collect(),
+            rejections: rejections(self.reasons.values(), requests.rejected),
             control: self.control,
             plugin_failures: self.plugin_failures,
             plugin_first_failures: self.first_failures,

@@ -209,13 +209,23 @@ impl Core {
         }
     }
 
-    /// Sends a line for the vehicle's log (BPMSG, SPI 7.18). Drops it if the plugin lacks the grant, or if it comes too
-    /// soon after the last one.
+    /// Sends a line for the vehicle's log (BPMSG, SPI 7.18). Drops it if it comes too soon after the last one, and says so
+    /// if the plugin lacks the grant.
     fn log_message(&mut self, plugin: PluginId, text: &str) {
         let cx = &mut self.cx;
         let in_time = cx.plugins.take_message(cx.now, plugin) || !is_on(Check::MessageRate);
-        if !cx.plugins.grants(plugin).contains(&Grant::Message) || !in_time {
+        if !in_time {
             return;
+        }
+        if !cx.plugins.grants(plugin).contains(&Grant::Message) {
+            let line = LogLine {
+                level: LogLevel::Warn,
+                text: format!(
+                    "a line for the vehicle's log was dropped: {}",
+                    Refusal::NotGranted(Grant::Message)
+                ),
+            };
+            return cx.note(Note::PluginLog { plugin, line });
         }
         let created = cx.stamper.stamp(cx.now, "MSG");
         let cut: String = text.chars().take(MESSAGE_CHARS_MAX).collect();

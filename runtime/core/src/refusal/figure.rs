@@ -114,7 +114,7 @@ figures! {
     /// Messages to the topside in a minute.
     TopsideMessages "topside-messages" "messages to the topside in a minute" "" Rate "limits.topside_per_min";
     /// An external source's sentences in a second.
-    Sentences "sentences" "sentences in a second" "" Rate "external.rate_max_hz";
+    Sentences "sentences" "sentences in a second" "" Rate "external.bounds.rate_max_hz";
     /// How long a plugin steers in the whole run.
     Steering "steering" "time that the plugin steers" "s" Cap "plugin.limits.steering_max_s";
     /// Open inserts of all plugins.
@@ -140,9 +140,9 @@ figures! {
     /// How long an empty mission lasts.
     EmptyMission "empty-mission" "duration of the empty mission" "s" Limit "";
     /// The error of an external source's fix.
-    FixError "fix-error" "error of the fix (more than 0)" "m" Limit "external.fix_error_max_m";
+    FixError "fix-error" "error of the fix (more than 0)" "m" Limit "external.bounds.fix_error_max_m";
     /// How old an external source's measurement is.
-    MeasuredAge "measured-age" "age of the measurement" "s" Limit "external.measured_age_max_s";
+    MeasuredAge "measured-age" "age of the measurement" "s" Limit "external.bounds.measured_age_max_s";
     /// An external source's conductivity.
     Conductivity "conductivity" "conductivity" "uS/cm" Limit "";
     /// An external source's temperature.
@@ -150,19 +150,19 @@ figures! {
     /// An external source's pressure.
     Pressure "pressure" "pressure" "kPa" Limit "";
     /// The depth of an external source's fix.
-    FixDepth "fix-depth" "depth of the fix" "m" Limit "external.fix_depth_difference_max_m";
+    FixDepth "fix-depth" "depth of the fix" "m" Limit "external.bounds.fix_depth_difference_max_m";
     /// The distance of an external source's fix from the middle of the fence.
     FixFromFence "fix-from-fence" "distance of the fix from the fence's middle" "m" Limit "";
     /// The distance of an external source's fix from navigation.
-    FixFromNavigation "fix-from-navigation" "distance of the fix from navigation" "m" Limit "external.fix_distance_max_m";
+    FixFromNavigation "fix-from-navigation" "distance of the fix from navigation" "m" Limit "external.bounds.fix_distance_max_m";
     /// The x to which relative navigation is set.
-    ResetX "reset-x" "x" "m" Limit "external.reset_max_m";
+    ResetX "reset-x" "x" "m" Limit "external.bounds.reset_max_m";
     /// The y to which relative navigation is set.
-    ResetY "reset-y" "y" "m" Limit "external.reset_max_m";
+    ResetY "reset-y" "y" "m" Limit "external.bounds.reset_max_m";
     /// The bearing to which relative navigation is set.
     ResetBearing "reset-bearing" "bearing" "deg" Limit "";
     /// The offset of the heading.
-    BearingOffset "bearing-offset" "offset of the bearing" "deg" Limit "external.offset_max_deg";
+    BearingOffset "bearing-offset" "offset of the bearing" "deg" Limit "external.bounds.offset_max_deg";
 }
 
 /// A value that JSON has no number for.

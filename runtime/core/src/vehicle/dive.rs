@@ -9,16 +9,14 @@ use backseat_units::{TimeOfDay, Timestamp};
 /// The dive file as the vehicle last named it.
 ///
 /// BFMIS and BFMBS may name one file in two ways (with its folder, without its ending), so each name is compared only
-/// with names from the same kind of message. An empty name says nothing: the vehicle leaves the name out if a behavior
+/// with names from the same kind of message. If the two tell a change of dive one after the other, each counts as a change: the
+/// second may be the first word of yet another dive. An empty name says nothing: the vehicle leaves the name out if a behavior
 /// is the payload's, and while no mission is loaded.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Dive {
     of_status: Option<Text>,
     of_behavior: Option<Text>,
-    /// One kind of message has named another file. This kind may name that file too, once, in its own way, until the
-    /// file's plan is complete.
-    may_follow: Option<NamedBy>,
     /// A kind of message has named another file at least once.
     has_changed: bool,
     /// The newest message that has named another file. What was made before it belongs to the dive before.
@@ -46,7 +44,6 @@ impl Dive {
     /// The vehicle's plan has come and is complete.
     pub(crate) const fn planned(&mut self) {
         self.plan_due = false;
-        self.may_follow = None;
     }
 
     /// Why we have no control after a change of the dive file.
@@ -77,22 +74,20 @@ impl Dive {
         self.changed.is_after(now, created) && (file.is_empty() || known.is_empty() || file == known)
     }
 
-    /// Whether a BFMIS that comes now was made before another message named another file, and does not follow that message.
+    /// Whether a BFMIS that comes now was made before another message named another file.
     pub(crate) fn has_since_changed(&self, now: Timestamp, created: TimeOfDay) -> bool {
-        self.changed.is_after(now, created) && self.may_follow != Some(NamedBy::Status)
+        self.changed.is_after(now, created)
     }
 
     /// The vehicle has named its dive file. Returns true if it may be another one than the one whose plan core has or has
-    /// asked for: it differs from the last one that this kind of message named, and the other kind has not named it
-    /// just before. The message that would have named that one may have been lost, so only the first new name while the
-    /// plan is due counts as the same file.
+    /// asked for: it differs from the last one that this kind of message named.
     pub(crate) fn named(&mut self, by: NamedBy, file: &Text) -> bool {
         if file.as_str().trim().is_empty() {
             return false;
         }
-        let (known, other) = match by {
-            NamedBy::Status => (&mut self.of_status, NamedBy::Behavior),
-            NamedBy::Behavior => (&mut self.of_behavior, NamedBy::Status),
+        let known = match by {
+            NamedBy::Status => &mut self.of_status,
+            NamedBy::Behavior => &mut self.of_behavior,
         };
         let differs = match known.replace(file.clone()) {
             Some(known) => known.as_str().trim() != file.as_str().trim(),
@@ -100,16 +95,8 @@ impl Dive {
             // another one since.
             None => self.has_changed,
         };
-        if !differs {
-            return false;
-        }
-        if self.may_follow == Some(by) {
-            self.may_follow = None;
-            return false;
-        }
-        self.may_follow = Some(other);
-        self.has_changed = true;
-        true
+        self.has_changed |= differs;
+        differs
     }
 }
 
@@ -131,37 +118,11 @@ mod tests {
         assert!(!named(&mut dive, Status, " "));
         assert!(!named(&mut dive, Behavior, "a "));
         assert!(named(&mut dive, Behavior, "b"));
-        assert!(
-            !named(&mut dive, Status, "dives/b.dive"),
-            "the same file, named differently"
-        );
+        assert!(!named(&mut dive, Behavior, "b") && !named(&mut dive, Status, "dives/a.dive"));
+        // It may be the same file in other words, or the first word of a third one.
+        assert!(named(&mut dive, Status, "dives/b.dive"));
         assert!(named(&mut dive, Status, "dives/c.dive"));
-        assert!(!named(&mut dive, Behavior, "c"));
         assert!(named(&mut dive, Behavior, "a"));
-    }
-
-    #[test]
-    fn sr_025_the_other_kind_of_message_may_follow_once_and_only_while_the_plan_is_due() {
-        use NamedBy::{Behavior, Status};
-        let changed = || {
-            let mut dive = Dive::default();
-            assert!(!named(&mut dive, Status, "dives/a.dive") && !named(&mut dive, Behavior, "a"));
-            assert!(named(&mut dive, Behavior, "b"));
-            dive.is_another();
-            dive
-        };
-        let mut dive = changed();
-        assert!(!named(&mut dive, Status, "dives/b.dive"));
-        assert!(named(&mut dive, Status, "dives/c.dive"), "it has followed already");
-        let mut dive = changed();
-        dive.planned();
-        assert!(
-            !named(&mut dive, Status, "dives/a.dive"),
-            "an old name says nothing new"
-        );
-        assert!(named(&mut dive, Status, "dives/c.dive"), "the plan of b is complete");
-        dive.is_another();
-        assert!(!named(&mut dive, Behavior, "b") && !named(&mut dive, Status, "dives/c.dive"));
     }
 
     #[test]
@@ -169,9 +130,7 @@ mod tests {
         use NamedBy::{Behavior, Status};
         let mut dive = Dive::default();
         assert!(!named(&mut dive, Behavior, "a") && named(&mut dive, Behavior, "b"));
-        dive.is_another();
-        dive.planned();
         assert!(named(&mut dive, Status, "dives/c.dive"));
-        assert!(!named(&mut dive, Behavior, "c"));
+        assert!(named(&mut dive, Behavior, "c") && !named(&mut dive, Behavior, "c"));
     }
 }

@@ -92,13 +92,16 @@ fn sr_025_a_behavior_belongs_to_the_dive_that_its_begin_names() {
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
 }
 
+/// Core asks for the plan at once a few times in a minute only.
+const A_MINUTE_S: f64 = 60.0;
+
 /// The vehicle has flown the dive a, and begins the dive b. Its BFMIS for b is lost, its BFMBS comes, and so does the
 /// plan of b.
 fn in_a_second_dive() -> Trial {
     let mut trial = Trial::under_way();
     let first = [status_of(&trial, "dives/a.dive"), begin_of(&trial, "a", 1)];
     trial.hear_now(first);
-    trial.run_for(3.0);
+    trial.run_for(A_MINUTE_S);
     let second = begin_of(&trial, "b", 1);
     trial.hear_now([second]);
     trial.run_for(5.0);
@@ -116,12 +119,50 @@ fn sr_025_the_status_of_a_third_dive_is_not_taken_for_the_lost_one_of_the_second
     trial.hear_now([third]);
     assert!(!trial.core.is_steering() && !trial.core.has_control());
     assert_eq!((trial.sent_since("EMB", at).len(), plans(&trial, at)), (1, 1));
-    // The behavior of the third dive follows while its plan is due, and is no fourth dive.
+    // The behavior of the third dive may be the first word of a fourth one: core asks once more.
     let begun = begin_of(&trial, "c", 1);
     trial.hear_now([begun]);
     trial.run_for(10.0);
     assert!(trial.core.has_control());
-    assert_eq!(plans(&trial, at), 1);
+    assert_eq!(plans(&trial, at), 2);
+}
+
+/// BFMIS names the dive b, and its plan comes. Long after that the first BFMBS names it too, so core asks again. Before the
+/// answer comes, BFMIS names the dive c: that answer is b's plan, and not c's.
+#[test]
+fn sr_025_a_plan_that_was_asked_for_before_the_vehicle_named_the_dive_does_not_serve_it() {
+    for by_status in [true, false] {
+        let mut trial = Trial::under_way();
+        let first = [status_of(&trial, "dives/a.dive"), begin_of(&trial, "a", 1)];
+        trial.hear_now(first);
+        trial.run_for(A_MINUTE_S);
+        let by = |trial: &Trial, status, dive: &str| match status {
+            true => status_of(trial, &format!("dives/{dive}.dive")),
+            false => begin_of(trial, dive, 1),
+        };
+        let second = by(&trial, by_status, "b");
+        trial.hear_now([second]);
+        trial.run_for(5.0);
+        let slow = Reply::Late(Duration::from_secs(1), AckStatus::Succeeded);
+        trial.vehicle.replies.insert("RMP", slow);
+        let at = trial.now;
+        let second = by(&trial, !by_status, "b");
+        trial.hear_now([second]);
+        trial.run_for(0.5);
+        assert_eq!(plans(&trial, at), 1, "by status {by_status}");
+        trial.vehicle.replies.insert("RMP", Reply::Silent);
+        let third = by(&trial, by_status, "c");
+        trial.hear_now([third]);
+        trial.run_for(3.0);
+        assert_eq!(plans(&trial, at), 2, "by status {by_status}");
+        assert!(
+            !trial.core.has_control(),
+            "by status {by_status}: b's plan is taken for c's"
+        );
+        trial.vehicle.replies.remove("RMP");
+        trial.run_for(20.0);
+        assert!(trial.core.has_control(), "by status {by_status}");
+    }
 }
 
 /// Core cannot know that a status which comes so late names the same dive. It asks for the plan once.

@@ -541,3 +541,20 @@ fn a_message_does_not_prevent_a_modify_in_the_same_step() {
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
 }
+
+/// Once a second at most, like the lines that leave.
+#[test]
+fn a_line_for_the_vehicles_log_without_the_grant_is_dropped_and_the_plugins_log_says_so() {
+    let mut trial = Trial::with_under_way(setup(|setup| setup.grants.retain(|grant| *grant != Grant::Message)));
+    trial.script(0, |_| {
+        (Duration::from_millis(1), Ok(vec![Request::Message("hello".to_owned())]))
+    });
+    trial.run_for(5.0);
+    assert!(trial.commands("MSG").is_empty());
+    let told = |(_, note): &(Timestamp, Note)| match note {
+        Note::PluginLog { line, .. } => line.text.ends_with("the mission does not grant `message`"),
+        _ => false,
+    };
+    let told = trial.notes().iter().filter(|note| told(note)).count();
+    assert!((4..=6).contains(&told), "{told} in 5 s");
+}

@@ -376,3 +376,18 @@ fn a_flood_is_cut_to_what_the_mission_allows() {
         }
     }
 }
+
+#[test]
+fn the_reasons_of_a_flood_of_requests_add_up_to_all_that_were_rejected() {
+    let mission = beside_isobath("flood");
+    let report = Backseat::new()
+        .args(["sim", "--json"])
+        .mission(&mission)
+        .run()
+        .exit(1)
+        .json();
+    let count = |line: &serde_json::Value| line.as_str()?.split_once(" x ")?.0.parse::<u64>().ok();
+    let lines = report["rejections"].as_array().unwrap();
+    let told: u64 = lines.iter().map(|line| count(line).unwrap()).sum();
+    assert_eq!(report["requests"]["rejected"], told, "{lines:#?}");
+}

@@ -8,6 +8,7 @@ use backseat_lock::{
     Contents, Difference, LOCK, Parts, PublicKey, SecretKey, create_keys, open, open_unverified, seal, sha256,
 };
 use backseat_mission::Mission;
+use backseat_plugin_loader::read_component;
 use backseat_units::Utc;
 use clap::Args;
 
@@ -120,7 +121,7 @@ pub(crate) fn sign(
                 "{}: no plugin {name} in the mission",
                 option()
             );
-            Ok((name.clone(), std::fs::read(file).with_context(option)?))
+            Ok((name.clone(), read_component(file).with_context(option)?))
         })
         .collect::<Result<Vec<_>>>()?;
     let lock = seal(

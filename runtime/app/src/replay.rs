@@ -6,6 +6,7 @@ mod map;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use backseat_plugin_loader::read_component;
 use backseat_recorder::LogReader;
 use backseat_replay::{Config, Configs, Flow, Given, Replay as Playback, ReplayError, Report, Task};
 use clap::Args;
@@ -125,7 +126,7 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
 }
 
 fn given(name: &str, file: &Path) -> Result<Given> {
-    let bytes = std::fs::read(file).with_context(|| format!("--plugin {name}={}", file.display()))?;
+    let bytes = read_component(file).with_context(|| format!("--plugin {name}={}", file.display()))?;
     Ok(Given {
         plugin: name.to_owned(),
         file: file.display().to_string(),

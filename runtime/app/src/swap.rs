@@ -11,7 +11,8 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail, ensure};
 use backseat_lock::sha256;
 use backseat_mission::Mission;
-use backseat_plugin_host::COMPONENT_BYTES;
+use backseat_plugin_loader::read_component;
+use backseat_units::Timestamp;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +21,7 @@ use crate::clock::{Clock, pause};
 use crate::output::say;
 use crate::owner::explained;
 use crate::state::State;
+use crate::terminal::tell;
 
 /// The folder's name in that of the state.
 pub(crate) const FOLDER: &str = "swap";
@@ -71,21 +73,72 @@ pub(crate) struct Answer {
     pub(crate) text: String,
 }
 
-/// The files of an order for a plugin.
-pub(crate) struct Files {
-    pub(crate) component: PathBuf,
-    pub(crate) order: PathBuf,
-    pub(crate) answer: PathBuf,
+/// The files of the orders for a plugin, and what the runtime does with them.
+pub(crate) struct Files<'a> {
+    folder: &'a Path,
+    plugin: &'a str,
 }
 
-impl Files {
-    pub(crate) fn of(folder: &Path, plugin: &str) -> Self {
-        let file = |kind: &str| folder.join(format!("{plugin}.{kind}"));
-        Self {
-            component: file("wasm"),
-            order: file("order"),
-            answer: file("answer"),
+impl<'a> Files<'a> {
+    pub(crate) const fn of(folder: &'a Path, plugin: &'a str) -> Self {
+        Self { folder, plugin }
+    }
+
+    fn file(&self, kind: &str) -> PathBuf {
+        self.folder.join(format!("{}.{kind}", self.plugin))
+    }
+
+    /// The newest order, until the runtime takes it.
+    pub(crate) fn order(&self) -> PathBuf {
+        self.file("order")
+    }
+
+    /// The component of an order. Each order has its own, as the one before may still be at work.
+    pub(crate) fn component(&self, number: u64) -> PathBuf {
+        self.file(&format!("{number}.wasm"))
+    }
+
+    /// What came of an order.
+    pub(crate) fn answer(&self, number: u64) -> PathBuf {
+        self.file(&format!("{number}.answer"))
+    }
+
+    /// There while the runtime makes a version ready, of whichever plugin.
+    pub(crate) fn at_work(folder: &Path) -> PathBuf {
+        folder.join("at-work")
+    }
+
+    /// Lets nobody else give an order for the plugin, until the file is closed.
+    fn lock(&self) -> Result<fs::File> {
+        let path = self.file("lock");
+        let file = fs::File::create(&path).map_err(|error| explained(&path, error))?;
+        match file.try_lock() {
+            Ok(()) => Ok(file),
+            Err(fs::TryLockError::WouldBlock) => bail!(
+                "another `backseat swap` of {} is under way: wait for its end",
+                self.plugin
+            ),
+            Err(fs::TryLockError::Error(error)) => Err(explained(&path, error)),
         }
+    }
+
+    /// Removes what commands that were stopped have left.
+    fn clear(&self) -> Result<()> {
+        let prefix = format!("{}.", self.plugin);
+        let is_left = |name: &str| {
+            let numbered = name.strip_prefix(&prefix).and_then(|rest| rest.split_once('.'));
+            numbered.is_some_and(|(number, kind)| {
+                number.bytes().all(|digit| digit.is_ascii_digit()) && matches!(kind, "wasm" | "answer")
+            })
+        };
+        for entry in fs::read_dir(self.folder).map_err(|error| explained(self.folder, error))? {
+            let entry = entry.map_err(|error| explained(self.folder, error))?;
+            if entry.file_name().to_str().is_some_and(is_left) {
+                // The runtime may have removed it.
+                let _gone = fs::remove_file(entry.path());
+            }
+        }
+        Ok(())
     }
 }
 
@@ -122,13 +175,7 @@ pub(crate) fn swap(arguments: &Swap) -> Result<bool> {
         "no plugin {plugin} in the mission; its plugins are: {}",
         names.join(", ")
     );
-    let size = fs::metadata(file).with_context(|| file.display().to_string())?.len();
-    ensure!(
-        size <= COMPONENT_BYTES as u64,
-        "{}: {size} bytes, expected at most {COMPONENT_BYTES}",
-        file.display()
-    );
-    let component = fs::read(file).with_context(|| file.display().to_string())?;
+    let component = read_component(file).with_context(|| file.display().to_string())?;
     let hash = sha256(&component);
     let Some(named) = &arguments.sha256 else {
         bail!(
@@ -171,31 +218,71 @@ pub(crate) fn swap(arguments: &Swap) -> Result<bool> {
         trial_steps: arguments.trial,
     };
     let files = Files::of(&folder, plugin);
-    place(&files.component, &component)?;
-    place(&files.order, toml::to_string(&order)?.as_bytes())?;
-    let answer = await_answer(&files, order.number, clock)?;
+    let _ours_alone = files.lock()?;
+    files.clear()?;
+    place(&files.component(order.number), &component)?;
+    place(&files.order(), toml::to_string(&order)?.as_bytes())?;
+    let answer = await_answer(&files, order.number, &state, clock)?;
     say!("{}", answer.text);
     Ok(answer.swapped)
 }
 
-fn await_answer(files: &Files, number: u64, clock: Clock) -> Result<Answer> {
+/// Waits for what comes of an order.
+fn await_answer(files: &Files<'_>, number: u64, state: &Path, clock: Clock) -> Result<Answer> {
+    let (mut taken, mut told) = (None, false);
+    // When the runtime was last seen at work on another order.
+    let mut at_work = Timestamp::ZERO;
     loop {
         pause(LOOK_EVERY);
-        let answer = fs::read_to_string(&files.answer).ok();
-        let answer = answer.and_then(|text| toml::from_str::<Answer>(&text).ok());
-        if let Some(answer) = answer.filter(|answer| answer.number == number) {
-            let _kept_for_nobody = fs::remove_file(&files.answer);
+        let answer = fs::read_to_string(files.answer(number)).ok();
+        if let Some(answer) = answer.and_then(|text| toml::from_str::<Answer>(&text).ok()) {
+            let _kept_for_nobody = fs::remove_file(files.answer(number));
             return Ok(answer);
         }
-        let waited = clock.now().since(backseat_units::Timestamp::ZERO);
-        if waited > TAKEN_WITHIN && files.order.exists() {
-            let _taken = fs::remove_file(&files.order);
-            bail!("the runtime has not taken the order, which is withdrawn: is it stuck?");
+        let now = clock.now();
+        let is_waiting = taken.is_none() && files.order().exists();
+        if is_waiting {
+            if Files::at_work(files.folder).exists() {
+                at_work = now;
+            }
+            let busy = now.since(Timestamp::ZERO) > PATIENCE;
+            if (now.since(at_work) > TAKEN_WITHIN || busy) && withdrawn(files, number)? {
+                match busy && now.since(at_work) <= TAKEN_WITHIN {
+                    true => bail!("the runtime is still at work on an earlier order: this one is withdrawn"),
+                    false => bail!("the runtime has not taken the order, which is withdrawn: is it stuck?"),
+                }
+            }
+        } else {
+            let since = *taken.get_or_insert(now);
+            ensure!(
+                now.since(since) <= PATIENCE,
+                "the runtime has taken the order and not answered for {} s: look at its log",
+                PATIENCE.as_secs()
+            );
+        }
+        if now.since(Timestamp::ZERO) > TAKEN_WITHIN && !told {
+            told = true;
+            let what = match is_waiting {
+                true => "the runtime is at work on an earlier order, and this one waits",
+                false => "the runtime makes the new version ready",
+            };
+            tell(&format!("{}: {what}", files.plugin));
         }
         ensure!(
-            waited <= PATIENCE,
-            "the runtime has taken the order and not answered for {} s: look at its log",
-            PATIENCE.as_secs()
+            State::is_in_use(state)?,
+            "the runtime has ended, and has not answered: nothing is known of the order"
         );
+    }
+}
+
+/// Takes an order back. Returns false if the runtime has just taken it.
+fn withdrawn(files: &Files<'_>, number: u64) -> Result<bool> {
+    match fs::remove_file(files.order()) {
+        Ok(()) => {
+            let _not_needed = fs::remove_file(files.component(number));
+            Ok(true)
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(explained(&files.order(), error)),
     }
 }

@@ -7,6 +7,7 @@ use backseat_core::plugin::Judge;
 use backseat_mission::{Mission, PluginTable};
 use backseat_plugin_host::{Brief, Budget, Component, Host, HostError, Plugin, Started};
 
+use crate::file::read_component;
 use crate::load::{LoadError, Loaded};
 
 /// Components, compiled once and started for any number of runs, by the names that `component` has in mission files.
@@ -44,7 +45,7 @@ impl Components {
             if components.by_name.contains_key(&table.component) {
                 continue;
             }
-            let bytes = std::fs::read(&path).map_err(|source| LoadError::Read {
+            let bytes = read_component(&path).map_err(|source| LoadError::Read {
                 plugin: table.name.clone(),
                 path: path.clone(),
                 reason: source,

@@ -5,7 +5,9 @@
 //! connects the two.
 
 mod components;
+mod file;
 mod load;
 
 pub use components::Components;
+pub use file::{read_component, regular_file};
 pub use load::{LoadError, Loaded, load_plugins};

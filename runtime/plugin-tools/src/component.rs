@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use backseat_core::Grant;
 use backseat_core::plugin::{Description, Topic};
 use backseat_plugin_host::{Budget, COMPONENT_BYTES, Host, HostError, check_form};
+use backseat_plugin_loader::regular_file;
 use serde::{Serialize, Serializer};
 use wasmparser::{ComponentExternalKind, ComponentTypeRef, Parser, Payload, TypeBounds};
 
@@ -50,8 +51,8 @@ impl ComponentFile {
             return Self::read(&Project::open(path)?.built()?);
         }
         let name = path.display().to_string();
+        let size = regular_file(path).map_err(of_file(path))?;
         let file = File::open(path).map_err(of_file(path))?;
-        let size = file.metadata().map_err(of_file(path))?.len();
         let size = usize::try_from(size).unwrap_or(usize::MAX);
         if size > COMPONENT_BYTES {
             return Err(ToolError::Component(HostError::TooLarge {
@@ -61,7 +62,7 @@ impl ComponentFile {
             }));
         }
         let mut bytes = Vec::with_capacity(size);
-        // It may be a pipe, or grow.
+        // It may grow.
         let mut bounded = file.take(COMPONENT_BYTES as u64 + 1);
         bounded.read_to_end(&mut bytes).map_err(of_file(path))?;
         check_form(&name, &bytes, COMPONENT_BYTES)?;

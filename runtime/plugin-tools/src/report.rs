@@ -10,7 +10,7 @@ use backseat_core::{FailAction, Grant};
 use backseat_mission::{BudgetTable, Layers, Mission, PluginTable};
 use backseat_oracle::Violation;
 use backseat_plugin_host::{Budget, COMPILE_TIME, COMPONENT_BYTES, Host, HostError, Stopwatch, Usage};
-use backseat_plugin_loader::{Components, LoadError};
+use backseat_plugin_loader::{Components, LoadError, read_component};
 use backseat_scenario::Scenario;
 use serde::Serialize;
 
@@ -373,7 +373,7 @@ fn load_others(
         if components.has(&table.component) {
             continue;
         }
-        let bytes = std::fs::read(&path).map_err(|source| LoadError::Read {
+        let bytes = read_component(&path).map_err(|source| LoadError::Read {
             plugin: table.name.clone(),
             path: path.clone(),
             reason: source,

@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::Path;
 
 use backseat_core::{Reservation, Start};
@@ -10,7 +11,7 @@ use crate::channel::Channel;
 use crate::error::RecorderError;
 use crate::header::Rate;
 use crate::message::LoggedInput;
-use crate::reader::LogReader;
+use crate::reader::{LogReader, open_regular};
 use crate::{bytes, plain};
 
 /// A log, read as a whole.
@@ -165,7 +166,9 @@ impl Log {
 /// # Errors
 /// [`RecorderError::Open`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<Log, RecorderError> {
-    let bytes = std::fs::read(path).map_err(|source| RecorderError::Open {
+    let mut bytes = Vec::new();
+    let read = open_regular(path)?.read_to_end(&mut bytes);
+    read.map_err(|source| RecorderError::Open {
         path: path.to_owned(),
         source,
     })?;

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::fs::{self, File, Metadata};
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 use backseat_core::plugin::Description;
@@ -38,12 +38,22 @@ impl LogReader<BufReader<File>> {
     ///
     /// [`RecorderError::Open`], and those of [`LogReader::new`].
     pub fn open(path: &Path) -> Result<Self, RecorderError> {
-        let file = File::open(path).map_err(|source| RecorderError::Open {
-            path: path.to_owned(),
-            source,
-        })?;
+        let file = open_regular(path)?;
         Self::new(BufReader::with_capacity(1 << 18, file), path.display().to_string())
     }
+}
+
+/// Opens a log's file, and no pipe or device: opening a pipe would wait for its other end.
+pub(crate) fn open_regular(path: &Path) -> Result<File, RecorderError> {
+    let regular = |found: Metadata| match found.is_file() || found.is_dir() {
+        true => Ok(()),
+        false => Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")),
+    };
+    let opened = fs::metadata(path).and_then(regular).and_then(|()| File::open(path));
+    opened.map_err(|source| RecorderError::Open {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 impl<R: Read> LogReader<R> {

@@ -129,8 +129,8 @@ pub struct Simulation {
     control: ControlTimes,
     /// How each plugin failed first, by its name in the mission.
     first_failures: BTreeMap<String, FirstFailure>,
-    /// The last panic of each plugin, by its name, and when the plugin logged it.
-    panics: BTreeMap<String, (Timestamp, String)>,
+    /// The newest error that each plugin logged, by its name, and when: the first of its step, or a panic.
+    last_words: BTreeMap<String, (Timestamp, String)>,
     /// The last value of each measure that plugins published, by `PLUGIN.NAME`.
     published: BTreeMap<String, Published>,
     mission: String,
@@ -219,7 +219,7 @@ impl Simulation {
             quarantines: BTreeMap::new(),
             control: ControlTimes::default(),
             first_failures: BTreeMap::new(),
-            panics: BTreeMap::new(),
+            last_words: BTreeMap::new(),
             published: BTreeMap::new(),
             mission: mission.name.clone(),
             seed,

@@ -194,7 +194,7 @@ impl Report {
             granted: None,
             process: 0,
             swapped_to: BTreeMap::new(),
-            panics: BTreeMap::new(),
+            last_words: BTreeMap::new(),
         };
         for entry in &log.entries {
             collect.record(entry.now.as_secs_f64(), &entry.record);
@@ -361,8 +361,8 @@ struct Collect<'a> {
     /// The version that last took each plugin's place, or was to, until it has passed its trial: number and hash, and
     /// whether it is on trial.
     swapped_to: BTreeMap<u64, (String, bool)>,
-    /// The last panic that each plugin logged, and when.
-    panics: BTreeMap<u64, (f64, String)>,
+    /// The newest error that each plugin logged, and when: the first of its step, or a panic.
+    last_words: BTreeMap<u64, (f64, String)>,
 }
 
 /// How the line begins that Rust writes for a panic, and that the SDK logs.
@@ -525,13 +525,24 @@ impl Collect<'_> {
                 }
                 self.happened(at_s, text);
             }
+            "text" => {
+                if let Some((count, owner)) = over_rate(&line()) {
+                    self.refused_untold(owner, count);
+                }
+            }
             "plugin-log" => {
                 let line = line();
                 if let (Some(plugin), Some((_, said))) = (note["plugin"].as_u64(), line.split_once(" says: "))
-                    && said.starts_with(PANIC)
+                    && note["line"]["level"] == "error"
                 {
-                    let said = said.lines().collect::<Vec<_>>().join(" ");
-                    self.panics.insert(plugin, (at_s, said));
+                    let is_first = self
+                        .last_words
+                        .get(&plugin)
+                        .is_none_or(|(then_s, _)| then_s.total_cmp(&at_s).is_ne());
+                    if is_first || said.starts_with(PANIC) {
+                        let said = said.lines().collect::<Vec<_>>().join(" ");
+                        self.last_words.insert(plugin, (at_s, said));
+                    }
                 }
             }
             "plugin-failed" | "plugin-not-swapped" | "recovery" | "navigation" | "late" | "link-down" => {
@@ -549,7 +560,7 @@ impl Collect<'_> {
                     let name = self.name(plugin);
                     self.happened(at_s, format!("{name}: version {version} {came_to}"));
                 }
-                let text = self.with_panic(at_s, note, text);
+                let text = self.with_last_words(at_s, note, text);
                 if self.report.troubles.len() < TROUBLES_MAX {
                     self.report.troubles.push(Happened { at_s, text });
                 } else {
@@ -560,20 +571,34 @@ impl Collect<'_> {
         }
     }
 
-    /// A trap has no words of its own. The panic that led to it was logged in the same step, with the place in the source.
-    fn with_panic(&self, at_s: f64, note: &Value, text: String) -> String {
+    /// A trap has no words of its own. The panic or exception that led to it was logged in the same step, with the place in the
+    /// source.
+    fn with_last_words(&self, at_s: f64, note: &Value, text: String) -> String {
         let fault = note["fault"]["text"]
             .as_str()
-            .filter(|fault| note["note"] == "plugin-failed" && !fault.is_empty());
-        let panic = note["plugin"].as_u64().and_then(|plugin| self.panics.get(&plugin));
-        match (fault, panic) {
-            (Some(fault), Some((then_s, said))) if then_s.total_cmp(&at_s).is_eq() => text.replace(fault, said),
+            .filter(|fault| note["note"] == "plugin-failed" && note["fault"]["kind"] == "trap" && !fault.is_empty());
+        let said = note["plugin"].as_u64().and_then(|plugin| self.last_words.get(&plugin));
+        let said = said.filter(|(then_s, _)| then_s.total_cmp(&at_s).is_eq());
+        match (fault, said) {
+            (Some(fault), Some((_, panic))) if panic.starts_with(PANIC) => text.replace(fault, panic),
+            (Some(fault), Some((_, line))) => text.replace(fault, &format!("{fault}; it logged: {line}")),
             _ => text,
         }
     }
 
     fn happened(&mut self, at_s: f64, text: String) {
         self.report.operator.push(Happened { at_s, text });
+    }
+
+    /// Core has rejected so many more requests for the plugin's rate, without a record of each.
+    fn refused_untold(&mut self, owner: &str, count: u64) {
+        let asked = self.report.asked.entry(owner.to_owned()).or_default();
+        asked.all += count;
+        asked.refused += count;
+        let of_rate = |refused: &&mut Refused| refused.owner == owner && refused.rule == "rate";
+        if let Some(refused) = self.report.refused.iter_mut().find(of_rate) {
+            refused.times += count;
+        }
     }
 
     fn finish(mut self) {
@@ -595,4 +620,11 @@ impl Collect<'_> {
             *count += 1;
         }
     }
+}
+
+/// What core says once a second of the requests over a plugin's rate that it does not tell one by one: how many, and whose.
+fn over_rate(text: &str) -> Option<(u64, &str)> {
+    let (count, rest) = text.split_once(" more requests of ")?;
+    let owner = rest.strip_suffix(" were over its rate and rejected")?;
+    Some((count.parse().ok()?, owner))
 }

@@ -11,7 +11,7 @@ use backseat_core::plugin::{Judge, PluginId, Request, StepInput};
 use backseat_lock::sha256;
 use backseat_mission::Mission;
 use backseat_plugin_host::{Host, Plugin};
-use backseat_plugin_loader::Components;
+use backseat_plugin_loader::{Components, read_component};
 use backseat_recorder::{Judged, ShadowStep};
 use backseat_units::Timestamp;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
@@ -79,7 +79,7 @@ impl Shadows {
                     names.join(", ")
                 );
             };
-            let component = std::fs::read(file).with_context(option)?;
+            let component = read_component(file).with_context(option)?;
             let hash = sha256(&component);
             if let Some(allowed) = allowed {
                 allowed.check(name, &hash).with_context(option)?;

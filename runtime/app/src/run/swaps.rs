@@ -2,6 +2,7 @@
 //! take seconds, and the loop waits for nothing.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -147,8 +148,10 @@ impl Desk {
     fn serve(&self, news: &UnboundedSender<News>, answers: &Receiver<Told>) {
         // What an earlier process has not carried out is not carried out by this one.
         for setup in &self.setups {
-            let _none = fs::remove_file(Files::of(&self.folder, &setup.name).order);
+            let _none = fs::remove_file(Files::of(&self.folder, &setup.name).order());
         }
+        let at_work = Files::at_work(&self.folder);
+        let _none = fs::remove_file(&at_work);
         // Where the folder cannot be read, that is told once.
         let mut ignored: Vec<Option<String>> = self.setups.iter().map(|_| None).collect();
         loop {
@@ -174,7 +177,9 @@ impl Desk {
                     }
                     Ok(Some(order)) => {
                         let number = order.number;
-                        let component = self.component(&setup.name);
+                        // Without this file a command that waits longer thinks that we are stuck.
+                        let _told = place(&at_work, setup.name.as_bytes());
+                        let component = self.component(&setup.name, number);
                         let prepare = |component| self.prepare(PluginId(index), setup, order, component);
                         match component.and_then(prepare) {
                             // The loop may have ended.
@@ -187,6 +192,7 @@ impl Desk {
                                 self.answer(&setup.name, &Answer { number, swapped, text });
                             }
                         }
+                        let _none = fs::remove_file(&at_work);
                     }
                 }
             }
@@ -195,7 +201,7 @@ impl Desk {
 
     fn answer(&self, plugin: &str, answer: &Answer) {
         let left = toml::to_string(answer).map_err(anyhow::Error::from);
-        let left = left.and_then(|text| place(&Files::of(&self.folder, plugin).answer, text.as_bytes()));
+        let left = left.and_then(|text| place(&Files::of(&self.folder, plugin).answer(answer.number), text.as_bytes()));
         if let Err(error) = left {
             warn!("{plugin}: the answer to the operator cannot be left: {error:#}");
         }
@@ -203,33 +209,37 @@ impl Desk {
 
     /// The next order for a plugin, if there is one. It is removed.
     fn take(&self, plugin: &str) -> Result<Option<Order>> {
-        let files = Files::of(&self.folder, plugin);
-        match fs::symlink_metadata(&files.order) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error).context(files.order.display().to_string()),
+        let path = Files::of(&self.folder, plugin).order();
+        match fs::symlink_metadata(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(error).context(path.display().to_string()),
             Ok(found) if !found.is_file() || found.len() > ORDER_BYTES => {
-                fs::remove_file(&files.order)?;
-                bail!("{}: this is no order", files.order.display());
+                fs::remove_file(&path)?;
+                bail!("{}: this is no order", path.display());
             }
             Ok(_) => {}
         }
-        let text = fs::read_to_string(&files.order);
-        fs::remove_file(&files.order).with_context(|| files.order.display().to_string())?;
+        let text = fs::read_to_string(&path);
+        match fs::remove_file(&path) {
+            // The command has withdrawn it.
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            removed => removed.with_context(|| path.display().to_string())?,
+        }
         ensure!(!is_open(&self.folder)?, "{}: {OPEN_FOLDER}", self.folder.display());
         Ok(Some(toml::from_str(&text?).context("it cannot be read")?))
     }
 
     /// The component of an order. It is removed.
-    fn component(&self, plugin: &str) -> Result<Vec<u8>> {
-        let files = Files::of(&self.folder, plugin);
-        let found = fs::symlink_metadata(&files.component).with_context(|| files.component.display().to_string())?;
+    fn component(&self, plugin: &str, number: u64) -> Result<Vec<u8>> {
+        let path = Files::of(&self.folder, plugin).component(number);
+        let found = fs::symlink_metadata(&path).with_context(|| path.display().to_string())?;
         ensure!(
             found.is_file() && found.len() <= COMPONENT_BYTES as u64,
             "{}: expected a file of at most {COMPONENT_BYTES} bytes",
-            files.component.display()
+            path.display()
         );
-        let component = fs::read(&files.component).with_context(|| files.component.display().to_string())?;
-        let _read = fs::remove_file(&files.component);
+        let component = fs::read(&path).with_context(|| path.display().to_string())?;
+        let _read = fs::remove_file(&path);
         Ok(component)
     }
 

@@ -1,6 +1,6 @@
 //! The driver of core: hands in its inputs and carries out its outputs.
 
-use backseat_core::plugin::{QUARANTINED, RequestState};
+use backseat_core::plugin::{FaultKind, LogLevel, QUARANTINED, RequestState};
 use backseat_core::{Input, Note, Operator, Output};
 
 use crate::digest::Direction;
@@ -117,21 +117,28 @@ impl Simulation {
             self.keep(act);
         }
         if let Note::PluginLog { plugin, line } = note
-            && line.text.starts_with(PANIC)
+            && line.level == LogLevel::Error
             && let Some(name) = self.names.get(plugin.0)
         {
-            let text = line.text.lines().collect::<Vec<_>>().join(" ");
-            self.panics.insert(name.clone(), (self.now, text));
+            let is_first = self.last_words.get(name).is_none_or(|(at, _)| *at != self.now);
+            if is_first || line.text.starts_with(PANIC) {
+                let text = line.text.lines().collect::<Vec<_>>().join(" ");
+                self.last_words.insert(name.clone(), (self.now, text));
+            }
         }
         if let Note::PluginFailed { plugin, fault, then } = note
             && let Some(name) = self.names.get(plugin.0)
         {
             let now = self.now;
-            // A trap carries no text. The plugin's panic, which led to it, was logged in the same step.
-            let panic = self.panics.get(name).filter(|(at, _)| *at == now);
+            // A trap carries no text. The panic or exception that led to it was logged in the same step.
+            let said = self.last_words.get(name).filter(|(at, _)| *at == now && fault.kind == FaultKind::Trap);
             self.first_failures.entry(name.clone()).or_insert_with(|| FirstFailure {
                 at_s: now.as_secs_f64(),
-                text: panic.map_or_else(|| fault.text.clone(), |(_, text)| text.clone()),
+                text: match said {
+                    Some((_, panic)) if panic.starts_with(PANIC) => panic.clone(),
+                    Some((_, line)) => format!("{}; it logged: {line}", fault.text),
+                    None => fault.text.clone(),
+                },
             });
             *self.plugin_failures.entry(name.clone()).or_default() += 1;
             if *then == QUARANTINED {

@@ -5,7 +5,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 
 use backseat_recorder::{Log, LogReader, Record, read};
-use backseat_suite::{Backseat, Finished, Mission, Process, Signal, Vehicle};
+use backseat_suite::{Backseat, Finished, Mission, Process, Signal, Vehicle, eventually};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
@@ -294,6 +294,86 @@ fn a_swap_that_cannot_be_done_says_why_and_changes_nothing() {
         told.contains("could not take over, and the version before goes on"),
         "{told}"
     );
+}
+
+/// The command of a swap of the pilot, which goes on by itself.
+fn begun(mission: &Mission, file: &Path) -> Process {
+    Backseat::new()
+        .arg("swap")
+        .mission(mission)
+        .arg(format!("pilot={}", file.display()))
+        .arg("--state")
+        .arg(mission.beside("state"))
+        .args(["--sha256", &hash(file)])
+        .spawn()
+}
+
+/// Waits until the folder of the orders has this one.
+fn ordered(mission: &Mission) {
+    let order = mission.beside("state/swap/pilot.order");
+    eventually(SOON, || order.exists().then_some(()), || "there is no order".to_owned());
+}
+
+#[test]
+fn one_order_for_a_plugin_is_under_way_at_a_time_and_what_is_withdrawn_is_not_carried_out() {
+    let mission = mission(180.0);
+    let next = second(&mission, "next.wasm");
+    let vehicle = Vehicle::start(&mission);
+    let run = runtime(&mission, &vehicle.address, &["--arm"]);
+    let _ = vehicle.receives("BPRMB", 3, SOON);
+    run.signal(Signal::STOP);
+    let mut first = begun(&mission, &next);
+    ordered(&mission);
+    let other = swap(&mission, &next).refusal();
+    assert!(
+        other.contains("another `backseat swap` of pilot is under way: wait for its end"),
+        "{other}"
+    );
+    assert_eq!(first.wait(SOON), Some(2));
+    let told = first.stderr();
+    assert!(told.contains("the order, which is withdrawn: is it stuck?"), "{told}");
+    run.signal(Signal::CONT);
+    let count = vehicle.received("BPRMB").len();
+    let _ = vehicle.receives("BPRMB", count + 3, SOON);
+    // What it left is in nobody's way.
+    let _ = swap(&mission, &next).exit(0);
+    run.says("pilot: swapped", SOON);
+    let left: Vec<_> = fs::read_dir(mission.beside("state/swap"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert_eq!(left, ["pilot.lock"]);
+    let (_, path) = ended(&mission, run);
+    let report = replayed(&path);
+    assert_eq!(report["plugins"][0]["swaps"], 1, "{report}");
+}
+
+#[test]
+fn an_order_waits_while_the_runtime_is_at_work_on_another_and_a_command_that_was_killed_is_in_nobodys_way() {
+    let mission = mission(180.0);
+    let (next, other) = (second(&mission, "next.wasm"), second(&mission, "other.wasm"));
+    let vehicle = Vehicle::start(&mission);
+    let mut run = runtime(&mission, &vehicle.address, &["--arm"]);
+    let _ = vehicle.receives("BPRMB", 3, SOON);
+    run.signal(Signal::STOP);
+    let mut killed = begun(&mission, &next);
+    ordered(&mission);
+    killed.kill();
+    // As if it made a version ready, for longer than a command waits for a runtime that is stuck.
+    fs::write(mission.beside("state/swap/at-work"), "pilot").unwrap();
+    let mut waits = begun(&mission, &other);
+    waits.says("pilot: the runtime is at work on an earlier order, and this one waits", SOON);
+    run.signal(Signal::CONT);
+    assert_eq!(waits.wait(SOON), Some(0), "{}", waits.stderr());
+    assert!(waits.stdout().contains(&hash(&other)[..12]), "{}", waits.stdout());
+    // A runtime that ends answers nobody.
+    run.signal(Signal::STOP);
+    let mut waits = begun(&mission, &next);
+    ordered(&mission);
+    run.kill();
+    assert_eq!(waits.wait(SOON), Some(2));
+    let told = waits.stderr();
+    assert!(told.contains("the runtime has ended, and has not answered"), "{told}");
 }
 
 #[test]

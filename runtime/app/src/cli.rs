@@ -100,7 +100,7 @@ pub(crate) enum Command {
     ///
     /// Core gets the recorded inputs, and every output must be the recorded one, byte for byte. Each plugin gets the
     /// recorded steps, and must return what it returned then, with the same fuel. The log has all that this needs:
-    /// mission, fence and components. A component over 8 MiB is in it by its hash alone; give it with --plugin.
+    /// mission, fence and components. A component over 8 MiB is in it by its hash alone; give it with --component.
     ///
     /// With --plugin NAME=FILE another component, such as a new version, takes a plugin's place: the program shows in
     /// which steps it asks for something else, what it knew there, what core made of the recorded request, and what the

@@ -26,6 +26,9 @@ pub(crate) struct Replay {
     /// Step the component in FILE in place of the plugin NAME, and show what it would have asked for on the same inputs
     #[arg(long = "plugin", value_name = "NAME=FILE", value_parser = named_file)]
     pub(crate) plugins: Vec<(String, PathBuf)>,
+    /// A component that flew and that the log has by its hash alone, because it is larger than 8 MiB
+    #[arg(long = "component", value_name = "FILE")]
+    pub(crate) components: Vec<PathBuf>,
     /// Step the plugin NAME with the config in FILE, TOML, in place of the recorded one
     #[arg(long = "config", value_name = "NAME=FILE.toml", value_parser = named_file)]
     pub(crate) configs: Vec<(String, PathBuf)>,
@@ -68,7 +71,12 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
         set: &arguments.set,
         whole: &whole.collect::<Result<Vec<_>>>()?,
     };
-    let task = Task::of(&log, configs).map_err(refused)?;
+    let mut task = Task::of(&log, configs).map_err(refused)?;
+    let mut flown = Vec::new();
+    for file in &arguments.components {
+        let bytes = read_component(file).with_context(|| format!("--component {}", file.display()))?;
+        flown.push((file, task.add_component(bytes)));
+    }
     #[cfg(all(feature = "plugin", feature = "simulation"))]
     for (_, file) in &arguments.plugins {
         if let Some(stale) = crate::plugin::stale_file(file) {
@@ -95,6 +103,12 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
             break;
         }
     }
+    for (file, sha256) in flown.iter().filter(|(_, sha256)| !playback.has_used(sha256)) {
+        tracing::warn!(
+            "--component {}: the log names no component of its SHA-256, {sha256}, that it does not have",
+            file.display()
+        );
+    }
     #[cfg(feature = "simulation")]
     let envelope = std::sync::Arc::clone(&playback.mission().envelope);
     let report = playback.finish(log.is_complete());
@@ -114,6 +128,13 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
         }
     }
     print(arguments, &report, wall_seconds, load_seconds)?;
+    if let (None, Some((plugin, absent))) = (report.identical, report.absent().next()) {
+        bail!(
+            "log {}: plugin {plugin}, at {:.3} s: {absent}; what was compared is identical",
+            arguments.log.display(),
+            absent.at_s
+        );
+    }
     match (report.identical, &report.refused) {
         (Some(identical), _) => Ok(identical),
         (None, Some(refused)) => bail!(

@@ -11,7 +11,7 @@ use backseat_plugin_loader::Components;
 
 use crate::error::ReplayError;
 use crate::member::Member;
-use crate::report::{Component, PluginReport};
+use crate::report::{Absent, Component, PluginReport};
 use crate::task::{Flown, Given, Task, hash, listed};
 
 /// The plugins of a run.
@@ -55,7 +55,7 @@ impl Crew {
                 (sha256.clone(), Some(given.file.clone()))
             }
             None => {
-                let Some(bytes) = &flown.component else {
+                let Some(bytes) = flown.component.as_ref().or_else(|| task.components.get(&flown.sha256)) else {
                     return Err(ReplayError::ByHashAlone {
                         plugin: flown.name.clone(),
                         sha256: flown.sha256.clone(),
@@ -87,6 +87,7 @@ impl Crew {
             plugin: Some(Seat::new(started.plugin)),
             orders: VecDeque::new(),
             substituted: false,
+            lost: false,
             steps_begun: 0,
             stops_played: 0,
             steps_max,
@@ -105,6 +106,7 @@ impl Crew {
                 swaps: 0,
                 swaps_failed: 0,
                 unplayed: 0,
+                absent: None,
                 different: 0,
                 requests_recorded: 0,
                 requests_now: 0,
@@ -131,36 +133,42 @@ impl Crew {
         Ok(())
     }
 
-    /// Has a version take a plugin's place at its next restart. Returns false if its component is not there.
+    /// Has a version take a plugin's place at its next restart. If its component is not there, the plugin is not stepped any
+    /// more.
     pub(crate) fn swap(
         &mut self,
         host: &Host,
         plugin: PluginId,
-        version: Version,
+        (version, at_s): (Version, f64),
         attached: &BTreeMap<String, Vec<u8>>,
         mission: &Mission,
-    ) -> Result<bool, ReplayError> {
+    ) -> Result<(), ReplayError> {
         let Some(member) = self
             .members
             .get_mut(plugin.0)
             .filter(|member| !member.report.component.other)
         else {
             // Another plugin is stepped in its place in this replay.
-            return Ok(true);
+            return Ok(());
         };
+        member.report.swaps += 1;
+        if member.lost {
+            return Ok(());
+        }
         let sha256 = version.sha256.clone();
         if !self.components.has(&sha256) {
             let Some(bytes) = attached.get(&sha256) else {
-                return Ok(false);
+                member.lost = true;
+                member.report.absent.get_or_insert(Absent { sha256, at_s });
+                return Ok(());
             };
             let path = PathBuf::from(format!("of the log, components/{sha256}.wasm"));
             self.components
                 .insert_file(host, &sha256, &member.report.name, path, bytes)?;
         }
-        member.report.swaps += 1;
         let ready = self.components.start_one(&sha256, &member.table, mission)?;
         member.offer(ready, version);
-        Ok(true)
+        Ok(())
     }
 
     /// What the component that flew says about itself.

@@ -34,7 +34,7 @@ pub enum ReplayError {
     /// The log has a component by its hash alone.
     #[error(
         "it has the component of plugin `{plugin}` by its hash alone, because the component is large: give the file with \
-         --plugin {plugin}=FILE (SHA-256 {sha256})"
+         --component FILE (SHA-256 {sha256})"
     )]
     ByHashAlone {
         /// The plugin.

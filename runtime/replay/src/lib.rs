@@ -29,6 +29,6 @@ pub use difference::{Difference, OutputDifference, RestartDifference, Side, Step
 pub use drawing::{Asked, Drawing, Steering, TrackPoint};
 pub use error::ReplayError;
 pub use playback::{Flow, Replay};
-pub use report::{Component, PluginReport, Refused, Report};
+pub use report::{Absent, Component, PluginReport, Refused, Report};
 pub use task::{Config, Configs, Given, Task};
 pub use words::{describe_input, describe_request};

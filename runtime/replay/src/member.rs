@@ -27,6 +27,9 @@ pub(crate) struct Member {
     pub(crate) orders: VecDeque<Order>,
     /// A simulation has put another plugin in its place.
     pub(crate) substituted: bool,
+    /// The operator has put a version in its place that is not there. What comes after it, another version too, goes on from
+    /// that version's state.
+    pub(crate) lost: bool,
     pub(crate) steps_begun: u64,
     pub(crate) stops_played: u64,
     pub(crate) steps_max: usize,
@@ -65,7 +68,7 @@ impl Member {
     /// A new process begins.
     pub(crate) fn begin(&mut self, components: &Components, mission: &Mission) -> Result<(), LoadError> {
         self.orders.clear();
-        self.substituted = false;
+        (self.substituted, self.lost) = (false, false);
         self.plugin = Some(Seat::new(components.start_one(
             &self.component,
             &self.table,

@@ -29,7 +29,8 @@ pub enum Flow {
 /// A replay in progress.
 pub struct Replay {
     host: Host,
-    /// The components that the log has attached after its start, by their SHA-256.
+    /// The components that were given for those that the log has by their hash alone, and those that the log has attached
+    /// after its start, by their SHA-256.
     attached: BTreeMap<String, Vec<u8>>,
     run: Run,
     mission: Mission,
@@ -69,10 +70,15 @@ impl Replay {
     pub fn new(task: Task, host: &Host, given: Vec<Given>, steps_max: usize) -> Result<Self, ReplayError> {
         let crew = Crew::new(&task, host, given, steps_max)?;
         let encoder = Encoder::new(task.run.rate, task.names());
-        let Task { run, mission, .. } = task;
+        let Task {
+            run,
+            mission,
+            components,
+            ..
+        } = task;
         Ok(Self {
             host: host.clone(),
-            attached: BTreeMap::new(),
+            attached: components,
             run,
             mission,
             crew,
@@ -96,6 +102,12 @@ impl Replay {
     #[must_use]
     pub const fn mission(&self) -> &Mission {
         &self.mission
+    }
+
+    /// Whether the replay has needed this component so far.
+    #[must_use]
+    pub fn has_used(&self, sha256: &str) -> bool {
+        self.crew.components.has(sha256)
     }
 
     /// Takes a component that the log has attached since its start: a version that is about to take a plugin's place.
@@ -155,7 +167,7 @@ impl Replay {
         let plugins_same = self.crew.members.iter().all(|member| member.report.different == 0);
         let identical = if self.first.is_some() || self.outputs_different > 0 || !plugins_same {
             Some(false)
-        } else if self.refused.is_some() {
+        } else if self.refused.is_some() || self.crew.members.iter().any(|member| member.report.absent.is_some()) {
             None
         } else {
             Some(true)
@@ -261,17 +273,8 @@ impl Replay {
             }
             LoggedInput::Swap(plugin, version) => {
                 let (host, attached) = (&self.host, &self.attached);
-                if !self
-                    .crew
-                    .swap(host, *plugin, version.clone(), attached, &self.mission)?
-                {
-                    self.refused = Some(Refused::Version {
-                        plugin: self.crew.members[plugin.0].report.name.clone(),
-                        sha256: version.sha256.clone(),
-                        at_s: message.now.as_secs_f64(),
-                    });
-                    return Ok(());
-                }
+                let version = (version.clone(), message.now.as_secs_f64());
+                self.crew.swap(host, *plugin, version, attached, &self.mission)?;
             }
             LoggedInput::LinkUp
             | LoggedInput::LinkDown
@@ -457,7 +460,7 @@ impl Crew {
             member.orders.push_back(Order {
                 at,
                 step,
-                unplayed: member.substituted,
+                unplayed: member.substituted || member.lost,
             });
         }
     }

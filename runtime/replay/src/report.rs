@@ -1,3 +1,5 @@
+use std::fmt;
+
 use backseat_recorder::Rate;
 use serde::Serialize;
 
@@ -66,15 +68,15 @@ pub enum Refused {
         /// When, seconds of the run.
         at_s: f64,
     },
-    /// The operator put a version in a plugin's place whose component is not in the log.
-    Version {
-        /// The plugin.
-        plugin: String,
-        /// The component's SHA-256, hexadecimal.
-        sha256: String,
-        /// When, seconds of the run.
-        at_s: f64,
-    },
+}
+
+/// A version that the operator put in a plugin's place, and whose component is neither in the log nor given.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Absent {
+    /// Its SHA-256, hexadecimal.
+    pub sha256: String,
+    /// When it was to take over, seconds of the run. From then on the plugin's steps could not be compared.
+    pub at_s: f64,
 }
 
 /// How a plugin fared.
@@ -92,8 +94,11 @@ pub struct PluginReport {
     pub swaps: u64,
     /// How many of these could not take over, or failed on trial, so that the version before stayed or came back.
     pub swaps_failed: u64,
-    /// How many steps and restarts could not be compared, because a simulation had put another plugin in its place.
+    /// How many steps and restarts could not be compared, because a simulation had put another plugin in its place, or the
+    /// operator a version that is `absent`.
     pub unplayed: u64,
+    /// The first version that is not there.
+    pub absent: Option<Absent>,
     /// In how many steps and restarts it differs. If it takes the place of another plugin, only what it asks for and
     /// whether it fails count.
     pub different: u64,
@@ -142,15 +147,29 @@ impl Refused {
                  can be replayed",
                 until.wrapping_sub(1)
             ),
-            Self::Version { plugin, sha256, at_s } => format!(
-                "at {at_s:.3} s the operator put a version in the place of {plugin} that the log has by its hash alone, \
-                 because it is large (SHA-256 {sha256}): nothing after that can be replayed"
-            ),
         }
     }
 }
 
+impl fmt::Display for Absent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the operator put a version in its place that the log has by its hash alone, because it is large: give the file \
+             with --component FILE (SHA-256 {})",
+            self.sha256
+        )
+    }
+}
+
 impl Report {
+    /// The plugins of which a version is not there, with that version.
+    pub fn absent(&self) -> impl Iterator<Item = (&str, &Absent)> {
+        self.plugins
+            .iter()
+            .filter_map(|plugin| Some((plugin.name.as_str(), plugin.absent.as_ref()?)))
+    }
+
     /// In lines for people, with the first differences.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
@@ -257,7 +276,9 @@ impl PluginReport {
         if component.other && self.failures > 0 {
             line.push_str(&format!("; it failed {} times", self.failures));
         }
-        if self.unplayed > 0 {
+        if let Some(absent) = &self.absent {
+            line.push_str(&format!("; not compared from {:.3} s on: {absent}", absent.at_s));
+        } else if self.unplayed > 0 {
             line.push_str(&format!(
                 "; {} steps of another plugin that stood in for it are not in the log",
                 self.unplayed

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::io::Read;
 
 use backseat_core::plugin::Description;
@@ -17,6 +18,8 @@ pub struct Task {
     pub(crate) flown: Vec<Flown>,
     /// The plugins' tables with the changes that were asked for, if there are any.
     pub(crate) changed: Vec<Option<PluginTable>>,
+    /// Components that flew and that the log has by their hash alone, by their SHA-256.
+    pub(crate) components: BTreeMap<String, Vec<u8>>,
 }
 
 /// A plugin that flew.
@@ -131,9 +134,18 @@ impl Task {
         Ok(Self {
             flown: flown.collect::<Result<_, _>>()?,
             changed,
+            components: BTreeMap::new(),
             run,
             mission,
         })
+    }
+
+    /// Takes a component that flew and that the log has by its hash alone: one with which the run began, or one that the
+    /// operator put in a plugin's place. Returns its SHA-256.
+    pub fn add_component(&mut self, bytes: Vec<u8>) -> String {
+        let sha256 = hash(&bytes);
+        self.components.insert(sha256.clone(), bytes);
+        sha256
     }
 
     pub(crate) fn names(&self) -> Vec<String> {

@@ -595,7 +595,7 @@ impl Collect<'_> {
         let asked = self.report.asked.entry(owner.to_owned()).or_default();
         asked.all += count;
         asked.refused += count;
-        let of_rate = |refused: &&mut Refused| refused.owner == owner && refused.rule == "rate";
+        let of_rate = |refused: &&mut Refused| (refused.owner.as_str(), refused.cause.as_str()) == (owner, "requests");
         if let Some(refused) = self.report.refused.iter_mut().find(of_rate) {
             refused.times += count;
         }

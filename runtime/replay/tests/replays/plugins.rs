@@ -156,7 +156,7 @@ fn a_component_by_its_hash_alone_must_be_given() {
         .err()
         .unwrap();
     assert!(matches!(error, ReplayError::ByHashAlone { .. }), "{error}");
-    assert!(error.to_string().contains("--plugin isobath=FILE (SHA-256 "), "{error}");
+    assert!(error.to_string().contains("--component FILE (SHA-256 "), "{error}");
     // The one that flew, and another one.
     let flown = log.replay_with(vec![given("isobath", "isobath")], Configs::default(), &mut unchanged);
     assert_eq!(flown.unwrap().identical, Some(true));

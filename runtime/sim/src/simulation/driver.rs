@@ -131,7 +131,10 @@ impl Simulation {
         {
             let now = self.now;
             // A trap carries no text. The panic or exception that led to it was logged in the same step.
-            let said = self.last_words.get(name).filter(|(at, _)| *at == now && fault.kind == FaultKind::Trap);
+            let said = self
+                .last_words
+                .get(name)
+                .filter(|(at, _)| *at == now && fault.kind == FaultKind::Trap);
             self.first_failures.entry(name.clone()).or_insert_with(|| FirstFailure {
                 at_s: now.as_secs_f64(),
                 text: match said {

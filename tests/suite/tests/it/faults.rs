@@ -379,20 +379,25 @@ fn a_flood_is_cut_to_what_the_mission_allows() {
 
 #[test]
 fn the_reasons_of_a_flood_of_requests_add_up_to_all_that_were_rejected() {
-    let mission = beside_isobath("flood");
+    let mission = beside_isobath("light_flood");
     let log = mission.beside("run.mcap");
     let report = Backseat::new()
         .args(["sim", "--json", "--log"])
         .arg(&log)
         .mission(&mission)
         .run()
-        .exit(1)
+        .exit(0)
         .json();
     let count = |line: &serde_json::Value| line.as_str()?.split_once(" x ")?.0.parse::<u64>().ok();
     let lines = report["rejections"].as_array().unwrap();
     let told: u64 = lines.iter().map(|line| count(line).unwrap()).sum();
     assert_eq!(report["requests"]["rejected"], told, "{lines:#?}");
-    let logged = Backseat::new().args(["log", "report", "--json"]).arg(&log).run().exit(0).json();
+    let logged = Backseat::new()
+        .args(["log", "report", "--json"])
+        .arg(&log)
+        .run()
+        .exit(0)
+        .json();
     let refused = |asked: &serde_json::Value| asked["refused"].as_u64().unwrap();
     let of_log: u64 = logged["asked"].as_object().unwrap().values().map(refused).sum();
     // What was only counted in the last second of the run is in no log.

@@ -34,6 +34,17 @@ fn second(mission: &Mission, name: &str) -> PathBuf {
     path
 }
 
+/// The template once more, and so large that a log has it by its hash alone.
+fn large(mission: &Mission) -> PathBuf {
+    let path = second(mission, "large.wasm");
+    let mut bytes = fs::read(&path).expect("it is there");
+    // A custom section of 9 MiB with an empty name; its size is in LEB128.
+    bytes.extend([0, 0x81, 0x80, 0xc0, 0x04, 0]);
+    bytes.extend(std::iter::repeat_n(0, 9 << 20));
+    fs::write(&path, bytes).expect("it is there");
+    path
+}
+
 fn fickle() -> PathBuf {
     backseat_test_support::plugins().join("fickle.wasm")
 }
@@ -145,6 +156,56 @@ fn versions_take_over_in_the_middle_of_a_lease_and_the_dive_is_replayed() {
         assert!(!told.contains("the version before"), "{told}");
         assert!(!told.contains("was on trial"), "{told}");
     }
+}
+
+#[test]
+fn a_dive_with_a_swap_to_a_large_component_is_replayed_and_the_component_is_given() {
+    let mission = mission(180.0);
+    let vehicle = Vehicle::start(&mission);
+    let run = runtime(&mission, &vehicle.address, &["--arm"]);
+    let _ = vehicle.receives("BPRMB", 3, SOON);
+    let large = large(&mission);
+    let _ = swap(&mission, &large).exit(0);
+    run.says("pilot: swapped", SOON);
+    let count = vehicle.received("BPRMB").len();
+    let _ = vehicle.receives("BPRMB", count + 3, SOON);
+    let (_, path) = ended(&mission, run);
+    let alone = Backseat::new().arg("replay").arg(&path).run().exit(2);
+    let named = format!("give the file with --component FILE (SHA-256 {})", hash(&large));
+    assert!(
+        alone.stderr.contains(&named) && alone.stderr.contains("plugin pilot, at "),
+        "{alone}"
+    );
+    assert!(alone.stdout.contains("inputs, all identical"), "{alone}");
+    assert!(
+        alone
+            .stdout
+            .contains("steps, swaps: 1, all identical; not compared from "),
+        "{alone}"
+    );
+    assert!(alone.stdout.contains("identical as far as it was replayed"), "{alone}");
+    let all = Backseat::new()
+        .args(["replay", "--json", "--component"])
+        .arg(&large)
+        .arg(&path)
+        .run()
+        .exit(0)
+        .json();
+    assert_eq!(all["identical"], true, "{all}");
+    let counts = |key: &str| all["plugins"][0][key].as_u64();
+    assert_eq!(["swaps", "unplayed"].map(counts), [Some(1), Some(0)], "{all}");
+    let other = Backseat::new()
+        .args(["replay", "--component"])
+        .arg(fickle())
+        .arg("--component")
+        .arg(&large)
+        .arg(&path)
+        .run()
+        .exit(0);
+    assert!(
+        other.stderr.contains("fickle.wasm: the log names no component"),
+        "{other}"
+    );
 }
 
 #[test]
@@ -362,7 +423,10 @@ fn an_order_waits_while_the_runtime_is_at_work_on_another_and_a_command_that_was
     // As if it made a version ready, for longer than a command waits for a runtime that is stuck.
     fs::write(mission.beside("state/swap/at-work"), "pilot").unwrap();
     let mut waits = begun(&mission, &other);
-    waits.says("pilot: the runtime is at work on an earlier order, and this one waits", SOON);
+    waits.says(
+        "pilot: the runtime is at work on an earlier order, and this one waits",
+        SOON,
+    );
     run.signal(Signal::CONT);
     assert_eq!(waits.wait(SOON), Some(0), "{}", waits.stderr());
     assert!(waits.stdout().contains(&hash(&other)[..12]), "{}", waits.stdout());

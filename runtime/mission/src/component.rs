@@ -34,7 +34,10 @@ pub fn find_component(
     }
     let mut looked = places
         .iter()
-        .map(|place| place.display().to_string())
+        .map(|place| match place.exists() {
+            true => format!("{} (which is not a regular file)", place.display()),
+            false => place.display().to_string(),
+        })
         .collect::<Vec<_>>()
         .join(", ");
     if !is_path {

@@ -356,8 +356,8 @@ fn check_plugins(path: &Path, plugins: &[PluginTable]) -> Result<(), MissionErro
             return Err(value(
                 path,
                 format!(
-                    "plugin `{}`: budget needs fuel_per_step above 0 and memory_mib within 1 to 1024",
-                    plugin.name
+                    "plugin `{}`: budget.fuel_per_step is {} (expected above 0) and budget.memory_mib is {} (expected 1 to 1024)",
+                    plugin.name, budget.fuel_per_step, budget.memory_mib
                 ),
             ));
         }

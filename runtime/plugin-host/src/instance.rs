@@ -45,7 +45,7 @@ pub(crate) struct Called<T> {
 pub(crate) struct State {
     limits: Limits,
     /// What the call was given, or all calls of a start together.
-    fuel: u64,
+    fuel: (FuelOf, u64),
     judge: Arc<dyn Judge>,
     /// The step that is running, without its events; `None` in other calls.
     step: Option<StepInput>,
@@ -73,7 +73,7 @@ impl Instance {
         };
         let state = State {
             limits,
-            fuel,
+            fuel: (FuelOf::Start, fuel),
             judge,
             step: None,
             log: Vec::new(),
@@ -106,13 +106,13 @@ impl Instance {
     /// Calls an export on `fuel`; the export may return `bytes` to the host. A fault uses up all of the fuel.
     pub(crate) fn call<T>(
         &mut self,
-        fuel: u64,
+        (of, fuel): (FuelOf, u64),
         bytes: usize,
         deadline_ticks: Option<u64>,
         call: impl FnOnce(&Exports, &mut Store<State>) -> wasmtime::Result<T>,
     ) -> Called<T> {
         set_fuel(&mut self.store, fuel);
-        self.store.data_mut().fuel = fuel;
+        self.store.data_mut().fuel = (of, fuel);
         self.call_on(bytes, deadline_ticks, call)
     }
 
@@ -264,10 +264,10 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
         _ => FaultKind::Trap,
     };
     let text = match kind {
-        FaultKind::OutOfFuel => format!(
-            "used all its fuel: {} units in one call: too much for one step, or a loop without end (plugin.budget.fuel_per_step in mission.toml)",
-            state.fuel
-        ),
+        FaultKind::OutOfFuel => {
+            let (of, fuel) = state.fuel;
+            format!("used all its fuel: {fuel} units in one {}", of.advice())
+        }
         FaultKind::Deadline => DEADLINE.to_owned(),
         FaultKind::TooMuch => format!(
             "passed more to the host than one call may: {} KiB, or {} KiB in a snapshot",
@@ -293,6 +293,34 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
         }
     };
     PluginFault { kind, text }
+}
+
+/// What a call has fuel for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FuelOf {
+    /// `describe`, `init` and `restore`, together with the component's own initialisation.
+    Start,
+    /// `step`.
+    Step,
+    /// `snapshot`.
+    Snapshot,
+}
+
+impl FuelOf {
+    /// What it is for, why it may be used up, and what to do.
+    const fn advice(self) -> &'static str {
+        match self {
+            Self::Start => {
+                "start: too much work in it, or a loop without end (the same for each plugin: no key of mission.toml sets it)"
+            }
+            Self::Step => {
+                "call: too much for one step, or a loop without end (plugin.budget.fuel_per_step in mission.toml)"
+            }
+            Self::Snapshot => {
+                "snapshot: too much state, or a loop without end (the same for each plugin: no key of mission.toml sets it)"
+            }
+        }
+    }
 }
 
 /// Elements in all tables together: functions that are called through pointers.
@@ -322,7 +350,7 @@ impl Limits {
         let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
         match refused {
             Refused::Memory(asked) => format!(
-                "was refused {:.2} MiB of memory, as it uses {:.2} MiB of its {:.2} MiB",
+                "was refused {:.2} MiB of memory, as it uses {:.2} MiB of its {:.2} MiB (plugin.budget.memory_mib in mission.toml)",
                 mib(asked),
                 mib(self.bytes_max - self.bytes_left),
                 mib(self.bytes_max)

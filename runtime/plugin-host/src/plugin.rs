@@ -6,7 +6,7 @@ use backseat_core::plugin::{
 };
 use backseat_core::refusal::Reason;
 
-use crate::instance::{CALL_BYTES, Called, Instance, said};
+use crate::instance::{CALL_BYTES, Called, FuelOf, Instance, said};
 use crate::lines::{self, Lines};
 use crate::measures::Measures;
 use crate::meter::Meter;
@@ -191,11 +191,12 @@ impl Plugin {
                 fuel: fuel_max,
                 result: Err(deadline()),
             },
-            Some(Stop::InStep { .. } | Stop::InSnapshot) | None => {
-                instance.call(fuel_max, CALL_BYTES, self.deadline_ticks, |exports, store| {
-                    exports.step(store, guest_input)
-                })
-            }
+            Some(Stop::InStep { .. } | Stop::InSnapshot) | None => instance.call(
+                (FuelOf::Step, fuel_max),
+                CALL_BYTES,
+                self.deadline_ticks,
+                |exports, store| exports.step(store, guest_input),
+            ),
         };
         instance.set_step(None);
         if let (Some(meter), Some(begun)) = (&self.meter, begun) {
@@ -227,7 +228,7 @@ impl Plugin {
                         result: Err(deadline()),
                     },
                     Some(Stop::InStep { .. }) | None => instance.call(
-                        self.budget.fuel_snapshot,
+                        (FuelOf::Snapshot, self.budget.fuel_snapshot),
                         SNAPSHOT_BYTES,
                         self.deadline_ticks,
                         |exports, store| exports.snapshot(store),
@@ -332,7 +333,7 @@ impl Plugin {
                 }
             } else {
                 instance.call(
-                    self.budget.fuel_snapshot,
+                    (FuelOf::Snapshot, self.budget.fuel_snapshot),
                     SNAPSHOT_BYTES,
                     self.deadline_ticks,
                     |exports, store| exports.snapshot(store),
@@ -406,9 +407,18 @@ impl Plugin {
         let called = instance.call_on(CALL_BYTES, self.deadline_ticks, |exports, store| {
             exports.restore(store, snapshot)
         });
-        called.result?.map_err(|text| PluginFault {
+        let of_restore = |text: &str| format!("restore: {text}");
+        let returned = called.result.map_err(|fault| PluginFault {
+            text: match fault.kind == FaultKind::Deadline {
+                // By these words a replay knows it.
+                true => fault.text,
+                false => of_restore(&fault.text),
+            },
+            ..fault
+        })?;
+        returned.map_err(|text| PluginFault {
             kind: FaultKind::Start,
-            text: format!("restore: {}", said(&text)),
+            text: of_restore(&said(&text)),
         })?;
         Ok(instance.fuel_left())
     }

@@ -8,7 +8,7 @@ use backseat_mission::{Mission, PluginTable};
 use backseat_plugin_host::{Brief, Budget, Component, Host, HostError, Plugin, Started};
 
 use crate::file::read_component;
-use crate::load::{LoadError, Loaded};
+use crate::load::{ConfigIn, LoadError, Loaded};
 
 /// Components, compiled once and started for any number of runs, by the names that `component` has in mission files.
 ///
@@ -168,6 +168,15 @@ impl Compiled {
             memory_bytes: table.budget.memory_mib as usize * 1024 * 1024,
             ..Budget::default()
         };
+        if let Some((key, value)) = not_finite(&table.config) {
+            let config_in = config_place(mission, &table.name, key.split('.').next().unwrap_or(&key));
+            return Err(LoadError::NotFinite {
+                plugin: table.name.clone(),
+                key,
+                value,
+                config_in,
+            });
+        }
         let config = serde_json::to_string(&table.config).map_err(|error| LoadError::Config {
             plugin: table.name.clone(),
             message: error.to_string(),
@@ -195,16 +204,40 @@ impl Compiled {
     }
 }
 
+/// The first figure of a config that is not finite, with its key, as in `legs[2].speed_mps`. JSON, in which a plugin gets its
+/// config, would have `null` for it.
+fn not_finite(config: &toml::Table) -> Option<(String, f64)> {
+    fn in_value(value: &toml::Value) -> Option<(String, f64)> {
+        match value {
+            toml::Value::Float(figure) => (!figure.is_finite()).then(|| (String::new(), *figure)),
+            toml::Value::Table(table) => not_finite(table).map(|(key, figure)| (format!(".{key}"), figure)),
+            toml::Value::Array(values) => values
+                .iter()
+                .enumerate()
+                .find_map(|(index, value)| in_value(value).map(|(key, figure)| (format!("[{index}]{key}"), figure))),
+            toml::Value::String(_) | toml::Value::Integer(_) | toml::Value::Boolean(_) | toml::Value::Datetime(_) => {
+                None
+            }
+        }
+    }
+    config
+        .iter()
+        .find_map(|(name, value)| in_value(value).map(|(key, figure)| (format!("{name}{key}"), figure)))
+}
+
 /// The mission file, and the line of the key that the reason of a refused config begins with, as in
 /// `: contour_m: expected…`, or that it quotes, as in ``: unknown key `contur_m` ``.
-fn config_place(mission: &Mission, plugin: &str, reason: &str) -> (PathBuf, Option<usize>) {
+fn config_place(mission: &Mission, plugin: &str, reason: &str) -> ConfigIn {
     let begin = reason
         .trim_start_matches([':', ' '])
         .split([':', '['])
         .next()
         .unwrap_or("");
     let key = begin.split('`').nth(1).unwrap_or(begin);
-    (mission.folder.join("mission.toml"), mission.config_line(plugin, key))
+    ConfigIn::Mission {
+        file: mission.folder.join("mission.toml"),
+        line: mission.config_line(plugin, key),
+    }
 }
 
 fn refused(plugin: &str, path: &Path, source: HostError) -> LoadError {

@@ -10,4 +10,4 @@ mod load;
 
 pub use components::Components;
 pub use file::{read_component, regular_file};
-pub use load::{LoadError, Loaded, load_plugins};
+pub use load::{ConfigIn, LoadError, Loaded, load_plugins};

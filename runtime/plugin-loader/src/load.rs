@@ -1,3 +1,4 @@
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use backseat_core::PluginSetup;
@@ -23,14 +24,14 @@ pub enum LoadError {
         reason: std::io::Error,
     },
     /// The host refuses it.
-    #[error("plugin `{plugin}` ({}): {}{}", path.display(), refused.reason(), place(config_in.as_ref()))]
+    #[error("plugin `{plugin}` ({}): {}{}", path.display(), refused.reason(), config_in.as_ref().map_or_else(String::new, ConfigIn::to_string))]
     Host {
         /// The plugin's name in the mission.
         plugin: String,
         /// The component.
         path: PathBuf,
-        /// If the plugin refuses what the mission has under `[plugin.config]`: the mission file, and the line in it.
-        config_in: Option<(PathBuf, Option<usize>)>,
+        /// If the plugin refuses its config: where that is.
+        config_in: Option<ConfigIn>,
         /// The reason.
         refused: Box<HostError>,
     },
@@ -44,6 +45,18 @@ pub enum LoadError {
         /// The loaded components, separated by commas.
         loaded: String,
     },
+    /// A figure of its configuration is not finite.
+    #[error("plugin `{plugin}`: config: {key} is {value}, expected a finite number: a plugin gets no other{config_in}")]
+    NotFinite {
+        /// The plugin's name in the mission.
+        plugin: String,
+        /// The figure's key.
+        key: String,
+        /// The figure.
+        value: f64,
+        /// Where it is.
+        config_in: ConfigIn,
+    },
     /// Its configuration cannot be passed on.
     #[error("plugin `{plugin}`: its config cannot be written as JSON: {message}")]
     Config {
@@ -54,12 +67,49 @@ pub enum LoadError {
     },
 }
 
-/// Where the config is that was refused.
-fn place(config_in: Option<&(PathBuf, Option<usize>)>) -> String {
-    match config_in {
-        None => String::new(),
-        Some((path, None)) => format!(" (in {}, or in --set)", path.display()),
-        Some((path, Some(line))) => format!(" (in {}, line {line}, or in --set)", path.display()),
+impl LoadError {
+    /// The same, of a plugin whose config comes from elsewhere than its mission.
+    #[must_use]
+    pub fn with_config_in(mut self, place: ConfigIn) -> Self {
+        match &mut self {
+            Self::Host {
+                config_in: Some(at), ..
+            }
+            | Self::NotFinite { config_in: at, .. } => *at = place,
+            Self::Host { config_in: None, .. }
+            | Self::Mission(_)
+            | Self::Read { .. }
+            | Self::Unknown { .. }
+            | Self::Config { .. } => {}
+        }
+        self
+    }
+}
+
+/// Where a plugin's config is that was refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ConfigIn {
+    /// Under `[plugin.config]` of a mission, or in a `--set` over it.
+    Mission {
+        /// The mission file.
+        file: PathBuf,
+        /// The line of the key, if it is known.
+        line: Option<usize>,
+    },
+    /// In a file with nothing else.
+    File(PathBuf),
+    /// In a `--set`.
+    Set,
+}
+
+impl fmt::Display for ConfigIn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mission { file, line: None } => write!(f, " (in {}, or in --set)", file.display()),
+            Self::Mission { file, line: Some(line) } => write!(f, " (in {}, line {line}, or in --set)", file.display()),
+            Self::File(file) => write!(f, " (in {})", file.display()),
+            Self::Set => write!(f, " (in --set)"),
+        }
     }
 }
 

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use backseat_core::PluginSetup;
 use backseat_core::plugin::{PluginId, Version};
 use backseat_mission::Mission;
-use backseat_plugin_host::{Host, Seat};
-use backseat_plugin_loader::Components;
+use backseat_plugin_host::{Host, HostError, Seat};
+use backseat_plugin_loader::{Components, ConfigIn, LoadError};
 
 use crate::error::ReplayError;
 use crate::member::Member;
@@ -66,7 +66,10 @@ impl Crew {
                 (flown.sha256.clone(), None)
             }
         };
-        let started = self.components.start_described(&component, table, &task.mission)?;
+        let started = self
+            .components
+            .start_described(&component, table, &task.mission)
+            .map_err(|error| explained(error, &flown.name, file.as_deref(), task.changed_in[place].as_ref()))?;
         let description = match &flown.description {
             Some(description) => description.clone(),
             // A log of an earlier version.
@@ -190,6 +193,24 @@ impl Crew {
         let table = &task.mission.file.plugins[place];
         let started = self.components.start_described(&flown.sha256, table, &task.mission)?;
         Ok(started.description)
+    }
+}
+
+/// Why a plugin cannot be started, in the words of a replay: its grants are those of the run, and its config may be another.
+fn explained(error: LoadError, plugin: &str, file: Option<&str>, changed_in: Option<&ConfigIn>) -> ReplayError {
+    if let (LoadError::Host { refused, .. }, Some(file)) = (&error, file)
+        && let HostError::Grants { missing, .. } = &**refused
+    {
+        let names: Vec<String> = missing.iter().map(|grant| format!("`{}`", grant.name())).collect();
+        return ReplayError::NotGranted {
+            plugin: plugin.to_owned(),
+            file: file.to_owned(),
+            missing: names.join(" and "),
+        };
+    }
+    match changed_in {
+        Some(place) => error.with_config_in(place.clone()).into(),
+        None => error.into(),
     }
 }
 

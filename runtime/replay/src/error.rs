@@ -71,6 +71,26 @@ pub enum ReplayError {
         /// The name.
         name: String,
     },
+    /// A plugin's config is given whole and in part.
+    #[error(
+        "--config {name}: --set also changes the config of {name}, and both are not possible: put the key into the file"
+    )]
+    ConfigAndSet {
+        /// The plugin.
+        name: String,
+    },
+    /// Another component wants what the run did not grant.
+    #[error(
+        "--plugin {plugin}={file}: it needs {missing}, which the run did not grant {plugin}: a replay keeps the grants of the run"
+    )]
+    NotGranted {
+        /// The plugin.
+        plugin: String,
+        /// The file.
+        file: String,
+        /// The missing grants.
+        missing: String,
+    },
     /// A setting would change more than a plugin's config.
     #[error(
         "--set {set}: expected plugin.NAME.config.KEY=VALUE: all other settings are those of the run, because core is \
@@ -81,10 +101,12 @@ pub enum ReplayError {
         set: String,
     },
     /// A config is not TOML.
-    #[error("{file}: {message}")]
+    #[error("{file}, line {line}: {message}")]
     Config {
         /// The file.
         file: String,
+        /// The line.
+        line: usize,
         /// What is wrong.
         message: String,
     },
@@ -115,7 +137,13 @@ impl ReplayError {
     pub const fn is_of_an_option(&self) -> bool {
         matches!(
             self,
-            Self::NoPlugin { .. } | Self::Twice { .. } | Self::Setting { .. } | Self::Config { .. }
+            Self::NoPlugin { .. }
+                | Self::Twice { .. }
+                | Self::ConfigAndSet { .. }
+                | Self::NotGranted { .. }
+                | Self::Setting { .. }
+                | Self::Config { .. }
+                | Self::Load(LoadError::NotFinite { .. } | LoadError::Host { config_in: Some(_), .. })
         )
     }
 }

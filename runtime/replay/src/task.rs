@@ -1,8 +1,10 @@
 use std::collections::BTreeMap;
 use std::io::Read;
+use std::path::PathBuf;
 
 use backseat_core::plugin::Description;
 use backseat_mission::{Mission, PluginTable, RecordedParts};
+use backseat_plugin_loader::ConfigIn;
 use backseat_recorder::{LogReader, Run};
 use sha2::{Digest, Sha256};
 
@@ -18,6 +20,8 @@ pub struct Task {
     pub(crate) flown: Vec<Flown>,
     /// The plugins' tables with the changes that were asked for, if there are any.
     pub(crate) changed: Vec<Option<PluginTable>>,
+    /// Where these changes come from, in the same order.
+    pub(crate) changed_in: Vec<Option<ConfigIn>>,
     /// Components that flew and that the log has by their hash alone, by their SHA-256.
     pub(crate) components: BTreeMap<String, Vec<u8>>,
 }
@@ -92,6 +96,7 @@ impl Task {
         };
         let mission = read(&[])?;
         let mut changed = vec![None; mission.file.plugins.len()];
+        let mut changed_in = vec![None; mission.file.plugins.len()];
         for one in set {
             let over = read(std::slice::from_ref(one))?;
             check_config_only(&mission, &over, one)?;
@@ -104,6 +109,9 @@ impl Task {
             {
                 *changed = (now != *then).then_some(now);
             }
+            for (place, changed) in changed_in.iter_mut().zip(&changed) {
+                *place = changed.is_some().then_some(ConfigIn::Set);
+            }
         }
         for config in configs.whole {
             let names: Vec<&str> = mission.file.plugins.iter().map(|table| table.name.as_str()).collect();
@@ -114,15 +122,27 @@ impl Task {
                     known: listed(&names),
                 });
             };
-            if changed[place].is_some() {
-                return Err(ReplayError::Twice {
-                    option: "--config",
-                    name: config.plugin.clone(),
-                });
+            match changed_in[place].replace(ConfigIn::File(PathBuf::from(&config.file))) {
+                None => {}
+                Some(ConfigIn::Set) => {
+                    return Err(ReplayError::ConfigAndSet {
+                        name: config.plugin.clone(),
+                    });
+                }
+                Some(ConfigIn::File(_) | ConfigIn::Mission { .. }) => {
+                    return Err(ReplayError::Twice {
+                        option: "--config",
+                        name: config.plugin.clone(),
+                    });
+                }
             }
-            let keys = toml::from_str(&config.text).map_err(|error: toml::de::Error| ReplayError::Config {
-                file: config.file.clone(),
-                message: error.message().to_owned(),
+            let keys = toml::from_str(&config.text).map_err(|error: toml::de::Error| {
+                let before = error.span().and_then(|span| config.text.get(..span.start));
+                ReplayError::Config {
+                    file: config.file.clone(),
+                    line: before.map_or(1, |before| before.matches('\n').count() + 1),
+                    message: error.message().to_owned(),
+                }
             })?;
             let then = &mission.file.plugins[place];
             changed[place] = Some(PluginTable {
@@ -134,6 +154,7 @@ impl Task {
         Ok(Self {
             flown: flown.collect::<Result<_, _>>()?,
             changed,
+            changed_in,
             components: BTreeMap::new(),
             run,
             mission,

@@ -45,7 +45,9 @@ fn more_memory_takes_more_fuel_before_it_is_refused() {
         refused
             .text
             .starts_with("was refused 1.06 MiB of memory, as it uses 3.25 MiB")
-            && refused.text.contains(" MiB of its 4.00 MiB: "),
+            && refused
+                .text
+                .contains(" MiB of its 4.00 MiB (plugin.budget.memory_mib in mission.toml): "),
         "{}",
         refused.text
     );
@@ -94,7 +96,7 @@ fn init_has_a_budget_of_its_own() {
         .unwrap();
     assert_eq!(
         error.to_string(),
-        "faulty: cannot be started: used all its fuel: 1000 units in one call: too much for one step, or a loop without end (plugin.budget.fuel_per_step in mission.toml)"
+        "faulty: cannot be started: used all its fuel: 1000 units in one start: too much work in it, or a loop without end (the same for each plugin: no key of mission.toml sets it)"
     );
 }
 

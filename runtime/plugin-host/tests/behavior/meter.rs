@@ -78,6 +78,6 @@ fn a_plugin_is_described_without_its_configuration() {
     let refused = components().template.describe(&poor).unwrap_err().to_string();
     assert_eq!(
         refused,
-        "template: cannot be started: used all its fuel: 10 units in one call: too much for one step, or a loop without end (plugin.budget.fuel_per_step in mission.toml)"
+        "template: cannot be started: used all its fuel: 10 units in one start: too much work in it, or a loop without end (the same for each plugin: no key of mission.toml sets it)"
     );
 }

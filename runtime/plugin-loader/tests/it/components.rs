@@ -70,6 +70,16 @@ fn a_config_that_its_plugin_refuses_is_told_with_its_line() {
             "depth_m: ",
         ),
         ("heading_deg = 90.0", config, "missing field"),
+        (
+            "heading_deg = 90.0\ndepth_m = nan\nspeed_mps = 1.5",
+            config + 2,
+            "config: depth_m is NaN, expected a finite number",
+        ),
+        (
+            "heading_deg = 90.0\nlegs = [{ speed_mps = 1.0 }, { speed_mps = -inf }]",
+            config + 2,
+            "config: legs[1].speed_mps is -inf, expected a finite number",
+        ),
     ] {
         std::fs::write(
             folder.path().join("mission.toml"),

@@ -477,3 +477,46 @@ fn a_console_beyond_this_computer_needs_a_certificate_and_a_key() {
     names(&refused(&none), &["/nonexistent.crt: No such file"]);
     names(&tried(&none[..2]).exit(2).stderr, &["--console-key"]);
 }
+
+/// Opening a pipe waits for its other end, so none is opened.
+#[test]
+fn a_pipe_is_no_component_and_no_log() {
+    let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
+    let pipe = mission.beside("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.is_ok_and(|status| status.success()), "mkfifo");
+    let path = pipe.to_str().unwrap();
+    let of_pilot = format!("pilot={path}");
+    let log = mission.beside("run.mcap");
+    let _ = Backseat::new().args(["sim", "--log"]).arg(&log).mission(&mission).run();
+    let of_mission = mission.path().to_str().unwrap();
+    let state = mission.beside("state");
+    for arguments in [
+        &["plugin", "inspect", path][..],
+        &["replay", path],
+        &["log", "show", path],
+        &["log", "report", path],
+        &["replay", log.to_str().unwrap(), "--plugin", &of_pilot],
+        &["replay", log.to_str().unwrap(), "--component", path],
+        &["swap", of_mission, &of_pilot, "--sha256", "0123456789ab"],
+        &[
+            "run",
+            of_mission,
+            "--connect",
+            "127.0.0.1:9",
+            "--state",
+            state.to_str().unwrap(),
+            "--shadow",
+            &of_pilot,
+        ],
+    ] {
+        let line = Backseat::new().args(arguments).run().refusal();
+        names(&line, &["pipe", "not a regular file"]);
+    }
+    let line = refusal(&mission.edit(
+        "mission.toml",
+        "component = \"faulty\"",
+        &format!("component = \"{path}\""),
+    ));
+    names(&line, &["pipe (which is not a regular file)"]);
+}

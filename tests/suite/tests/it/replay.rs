@@ -212,6 +212,35 @@ fn what_cannot_be_replayed_is_refused_in_one_line() {
         refused(&log, &["--set", "limits.speed_max_mps=1"]),
         &["expected plugin.NAME.config.KEY=VALUE"],
     );
+    // The plugin's config comes from these options, and its grants from the run.
+    let config = mission.beside("other.toml");
+    let of_file = format!("pilot={}", config.display());
+    let of_file = ["--config", &of_file];
+    fs::write(&config, "heading_deg = 1\nheading_deg = = 2\n").expect("the folder can be written");
+    says(refused(&log, &of_file), &["other.toml, line 2: "]);
+    fs::write(&config, "heading_deg = inf\n").expect("the folder can be written");
+    says(
+        refused(&log, &of_file),
+        &[
+            "config: heading_deg is inf, expected a finite number",
+            "(in ",
+            "other.toml)",
+        ],
+    );
+    fs::write(&config, "faultt = \"none\"\n").expect("the folder can be written");
+    says(refused(&log, &of_file), &["faultt", "other.toml)"]);
+    let set = ["--set", "plugin.pilot.config.heading_deg=nan"];
+    says(refused(&log, &set), &["config: heading_deg is NaN", "(in --set)"]);
+    let both = ["--set", "plugin.pilot.config.heading_deg=2"];
+    says(
+        refused(&log, &[of_file, both].concat()),
+        &["--config pilot: --set also changes the config of pilot"],
+    );
+    let coverage = plugins().join("coverage.wasm");
+    says(
+        refused(&log, &["--plugin", &format!("pilot={}", coverage.display())]),
+        &["coverage.wasm: it needs `insert`, which the run did not grant pilot"],
+    );
     says(
         refused(&changed(&log, b"\"input\":\"start\"", b"\"input\":\"nonse\""), &[]),
         &["of /core/input is invalid", "nonse"],

@@ -7,7 +7,7 @@ import types
 from typing import Any
 
 from . import _faults, _host, _sandbox, _wit, log, records
-from .plugin import Plugin, Refused, check_class
+from .plugin import Plugin, Refused, check_class, check_description
 
 
 class _Instance:
@@ -108,7 +108,9 @@ def _try(plugin_class: type[Plugin]) -> None:
     """Asks for the description and for the first snapshot while the component is built, where an exception is told with its
     line: the interface has no error for either, so in a flight each would end the instance."""
     plugin = plugin_class()
-    _wit.description(plugin.describe())
+    description = plugin.describe()
+    check_description(description)
+    _wit.description(description)
     if plugin_class.snapshot is Plugin.snapshot:
         plugin.snapshot()
 

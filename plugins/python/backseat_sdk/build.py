@@ -47,6 +47,8 @@ AUTHORS_FOLDER, SDK_FOLDER = 1, 2
 NO_PACKAGES = (
     "a plugin has Python's standard library and the modules beside it; no other package runs in the sandbox, numpy neither"
 )
+#: How long componentize-py may take, seconds; it takes one on an idle computer for each MiB or so.
+WITHIN_S = 600.0
 #: Runs componentize-py as its own script does.
 SCRIPT = "from componentize_py import script; script()"
 
@@ -55,10 +57,17 @@ class BuildError(Exception):
     """Why a plugin could not be built, in one line."""
 
 
-def build(folder: Path, output: Path, module: str = "plugin", name: str | None = None, wit: Path | None = None) -> None:
+def build(
+    folder: Path,
+    output: Path,
+    module: str = "plugin",
+    name: str | None = None,
+    wit: Path | None = None,
+    within_s: float = WITHIN_S,
+) -> None:
     """Builds the plugin of a folder. ``name`` is that of its class, where the module has more than one.
 
-    Raises ``BuildError``. What componentize-py says about a plugin that cannot be imported goes to standard error.
+    Raises ``BuildError``. If an exception went through several of the author's lines, they go to standard error first.
     """
     _check_sources(folder, module)
     interface = wit or _interface()
@@ -75,14 +84,22 @@ def build(folder: Path, output: Path, module: str = "plugin", name: str | None =
         command = [sys.executable, "-c", SCRIPT, "-q", "-d", str(interface), "-w", WORLD]
         command += ["componentize", "--stub-wasi", *paths, "-o", str(draft), ENTRY]
         try:
-            finished = subprocess.run(command, capture_output=True, text=True, check=False)
+            finished = subprocess.run(
+                command, capture_output=True, text=True, errors="replace", check=False, timeout=within_s
+            )
             if finished.returncode != 0:
-                package = _foreign(finished.stderr)
-                if package is None:
-                    sys.stderr.write(_traceback(finished.stderr))
-                raise BuildError(f"{folder}: {_why(finished.stderr, package)}")
+                said = _printable(finished.stderr)
+                package = _foreign(said)
+                if package is None and len(_own(said)) > 1:
+                    sys.stderr.write(_traceback(said))
+                raise BuildError(f"{folder}: {_why(said, package)}")
             check_component(draft)
             os.replace(draft, output)
+        except subprocess.TimeoutExpired:
+            raise BuildError(
+                f"{folder}: not built within {within_s:g} s: is there a loop without end in {module}.py, outside its functions "
+                "or in describe or snapshot? If the computer is slow, give it more with --within"
+            ) from None
         finally:
             draft.unlink(missing_ok=True)
 
@@ -136,6 +153,11 @@ def _parsed(path: Path) -> ast.Module:
         return ast.parse(path.read_text(encoding="utf-8"), str(path))
     except SyntaxError as error:
         raise BuildError(f"{path}:{error.lineno}: {error.msg}") from None
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise BuildError(f"{path}:{line}: not UTF-8 (byte {error.object[error.start]:#04x})") from None
+    except (ValueError, RecursionError) as error:
+        raise BuildError(f"{path}: {error}") from None
 
 
 def _check_imports(folder: Path, path: Path, seen: set[Path]) -> None:
@@ -188,6 +210,16 @@ def _traceback(said: str) -> str:
     return "Traceback" + inner.partition("\n\n\n")[0].rstrip() + "\n"
 
 
+def _printable(said: str) -> str:
+    """What the plugin says may drive a terminal."""
+    return "".join(each if each in "\n\t" or each.isprintable() else ascii(each)[1:-1] for each in said)
+
+
+def _own(said: str) -> list[tuple[str, str]]:
+    """The author's places among them: file and line."""
+    return [(file, line) for folder, file, line in _places(said) if folder == AUTHORS_FOLDER]
+
+
 def _places(said: str) -> list[tuple[int, str, str]]:
     """Where an import has failed, outermost first: the number of the folder as componentize-py mounts it, file and line."""
     places = re.findall(r'File "/(\d+)/([^"]+)", line (\d+)', _traceback(said))
@@ -203,7 +235,7 @@ def _foreign(said: str) -> str | None:
 def _why(said: str, package: str | None) -> str:
     """The line that says why: the end of the traceback, with the innermost place in the author's files."""
     _, found, last = _traceback(said).rpartition("Traceback (most recent call last):")
-    own = [(file, line) for folder, file, line in _places(said) if folder == AUTHORS_FOLDER]
+    own = _own(said)
     where = f"{own[-1][0]}:{own[-1][1]}: " if own else ""
     if package is not None:
         return f"{where}{package} does not run in the sandbox: {NO_PACKAGES}"
@@ -225,6 +257,9 @@ def main(arguments: list[str] | None = None) -> int:
     task.add_argument("--check", action="store_true", help="only check the sources; build nothing")
     parser.add_argument("--module", default="plugin", help="the module with the plugin's class [default: plugin]")
     parser.add_argument("--class", dest="name", help="the plugin's class, if the module has several")
+    parser.add_argument(
+        "--within", metavar="S", type=float, default=WITHIN_S, help="how long it may take, seconds [default: 600]"
+    )
     parser.add_argument("--wit", metavar="DIR", type=Path, help="the folder with plugin.wit [default: the SDK's own]")
     given = parser.parse_args(arguments)
     began = time.monotonic()
@@ -232,7 +267,7 @@ def main(arguments: list[str] | None = None) -> int:
         if given.check:
             _check_sources(given.folder, given.module)
             return 0
-        build(given.folder, given.output, given.module, given.name, given.wit)
+        build(given.folder, given.output, given.module, given.name, given.wit, given.within)
     except (BuildError, OSError) as error:
         print(f"backseat_sdk.build: {error}", file=sys.stderr)
         return 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, is_dataclass
 from typing import Any, ClassVar
@@ -11,6 +12,12 @@ from .briefing import Briefing, Grant
 from .events import StepInput, Topic
 from .requests import Request
 from .values import SECOND_NS, U64
+
+
+#: The longest name and version, bytes.
+NAME_BYTES = 64
+#: The shortest and the longest step period.
+PERIOD_MIN_NS, PERIOD_MAX_NS = SECOND_NS // 50, 60 * SECOND_NS
 
 
 class Refused(Exception):
@@ -117,3 +124,19 @@ def check_class(found: type[Plugin]) -> None:
         kind = getattr(found, name)
         if kind is not None and not (isinstance(kind, type) and is_dataclass(kind)):
             raise TypeError(f"{found.__name__}.{name} must be a dataclass")
+
+
+def check_description(described: Description) -> None:
+    """Refuses what the runtime would refuse when the plugin is loaded.
+
+    Raises ``ValueError`` with the value and what was expected.
+    """
+    for what, text in (("name", described.name), ("version", described.version)):
+        size = len(text.encode(errors="replace"))
+        if not 1 <= size <= NAME_BYTES:
+            raise ValueError(f"describe: {what} has {size} bytes, expected 1 to {NAME_BYTES}")
+        if any(unicodedata.category(each) == "Cc" for each in text):
+            raise ValueError(f"describe: {what} is {ascii(text)}, expected text without control characters")
+    period_ns = described.step_period_ns
+    if not PERIOD_MIN_NS <= period_ns <= PERIOD_MAX_NS:
+        raise ValueError(f"describe: step_period_ns is {period_ns}, expected {PERIOD_MIN_NS} to {PERIOD_MAX_NS} (20 ms to 60 s)")

@@ -25,7 +25,7 @@ from .events import Event, Restored, StepInput, TimerExpired
 from .frame import Local, LocalFrame
 from .navigation import Navigation
 from .outcomes import Outcome, Refusal, State
-from .plugin import Plugin, Refused, check_class
+from .plugin import Plugin, Refused, check_class, check_description
 from .requests import Request, Timer
 from .values import Position, Within
 
@@ -150,6 +150,7 @@ class Harness(Generic[P]):
         self._waiting: list[Event] = []
         self.description = self._hosted(lambda: kind().describe())
         check_value(self.description, type(self.description))
+        check_description(self.description)
         missing = [grant.value for grant in self.description.grants if grant not in self._briefing.grants]
         if missing:
             raise Refused(f"needs the grants {', '.join(missing)}")

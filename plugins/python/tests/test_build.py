@@ -85,6 +85,44 @@ def test_a_folder_without_a_plugin_is_refused_in_one_line(tmp_path, capsys):
     assert not output.exists()
 
 
+def test_a_source_that_is_no_text_is_refused_in_one_line(tmp_path, capsys):
+    (tmp_path / "plugin.py").write_bytes(b"x = 1\ny = '\xff'\n")
+    assert "plugin.py:2: not UTF-8 (byte 0xff)" in run(capsys, tmp_path, "--check")
+    (tmp_path / "plugin.py").write_bytes(b"x = 1\0\n")
+    assert "plugin.py" in run(capsys, tmp_path, "--check")
+
+
+def test_a_plugin_that_cannot_be_imported_is_told_in_one_line(tmp_path, capsys):
+    output = tmp_path / "x.wasm"
+    plugin = tmp_path / "plugin.py"
+    plugin.write_text("import backseat_sdk\n", encoding="utf-8")
+    assert "plugin: expected one class derived from Plugin, found none" in run(capsys, tmp_path, "-o", output)
+    plugin.write_text("x = 1\nraise ValueError('a\\x1b[2Kb')\n", encoding="utf-8")
+    said = run(capsys, tmp_path, "-o", output)
+    assert "plugin.py:2: ValueError: a\\x1b[2Kb" in said
+    described = (
+        "from backseat_sdk import Description, Plugin\n\n\nclass Mine(Plugin):\n    def describe(self):\n"
+        "        return Description({}, '1'{})\n\n    def step(self, input):\n        return []\n"
+    )
+    plugin.write_text(described.format("'a\\x07b'", ""), encoding="utf-8")
+    assert "describe: name is 'a\\x07b', expected text without control characters" in run(capsys, tmp_path, "-o", output)
+    plugin.write_text(described.format("'mine'", ", 1"), encoding="utf-8")
+    assert "describe: step_period_ns is 1, expected 20000000 to 60000000000" in run(capsys, tmp_path, "-o", output)
+    # Through several lines of the author's, they come first.
+    plugin.write_text("def f():\n    raise ValueError('b')\n\n\nf()\n", encoding="utf-8")
+    assert build.main([str(tmp_path), "-o", str(output)]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("Traceback") and said.endswith("plugin.py:2: ValueError: b\n"), said
+    assert not output.exists()
+
+
+def test_a_plugin_that_loops_while_it_is_imported_does_not_loop_for_ever(tmp_path, capsys):
+    (tmp_path / "plugin.py").write_text("while True:\n    pass\n", encoding="utf-8")
+    said = run(capsys, tmp_path, "-o", tmp_path / "x.wasm", "--within", "5")
+    assert "not built within 5 s: is there a loop without end in plugin.py" in said
+    assert [each.name for each in tmp_path.iterdir()] == ["plugin.py"]
+
+
 def test_a_package_that_is_missing_is_told_before_anything_is_built_or_tested(tmp_path, capsys):
     (tmp_path / "plugin.py").write_text("import helper\nimport math\n", encoding="utf-8")
     (tmp_path / "helper.py").write_text("import json\nimport plugin\nimport no_such_package.part\n", encoding="utf-8")

@@ -135,6 +135,12 @@ impl<R: Read> LogReader<R> {
         serde_json::from_str(self.chunks.metadata(DESCRIPTIONS)?.get(plugin)?).ok()
     }
 
+    /// Whether the file ended in the middle of what has been read so far. Before the first message: it has none.
+    #[must_use]
+    pub fn is_cut(&self) -> bool {
+        self.chunks.is_cut()
+    }
+
     /// Whether the file has its end. Only known when there are no more messages.
     #[must_use]
     pub fn is_complete(&self) -> bool {

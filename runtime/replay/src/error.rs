@@ -10,6 +10,12 @@ pub enum ReplayError {
         /// Its name.
         name: String,
     },
+    /// The file ends before its first message.
+    #[error("it was cut short before its {name} was written, so there is nothing to replay")]
+    Cut {
+        /// What is missing first.
+        name: String,
+    },
     /// An attachment is not what was attached.
     #[error("its attachment {name} has another SHA-256 than the log says: it was changed or damaged")]
     Hash {

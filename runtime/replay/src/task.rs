@@ -180,6 +180,9 @@ fn flown<R: Read>(log: &LogReader<R>, name: &str) -> Result<Flown, ReplayError> 
         return Err(ReplayError::Attachment { name: attachment() });
     };
     let component = log.component(name);
+    if component.is_none() && log.is_cut() {
+        return Err(ReplayError::Cut { name: attachment() });
+    }
     if component.is_some_and(|component| hash(component) != sha256) {
         return Err(ReplayError::Hash { name: attachment() });
     }
@@ -216,9 +219,10 @@ fn check_config_only(mission: &Mission, over: &Mission, set: &str) -> Result<(),
 
 /// A text that must be attached.
 fn attached<'a, R: Read>(log: &'a LogReader<R>, name: &str, sha256: Option<&str>) -> Result<&'a str, ReplayError> {
-    let data = log
-        .attachment(name)
-        .ok_or_else(|| ReplayError::Attachment { name: name.to_owned() })?;
+    let data = log.attachment(name).ok_or_else(|| match log.is_cut() {
+        true => ReplayError::Cut { name: name.to_owned() },
+        false => ReplayError::Attachment { name: name.to_owned() },
+    })?;
     if sha256.is_some_and(|sha256| hash(data) != sha256) {
         return Err(ReplayError::Hash { name: name.to_owned() });
     }

@@ -27,12 +27,14 @@ pub(crate) struct Described {
 /// What is out of bounds, and what was expected.
 pub(crate) fn description(described: wit_mission::Description) -> Result<Described, (String, &'static str)> {
     for (what, text) in [("name", &described.name), ("version", &described.version)] {
-        if text.is_empty() || text.len() > NAME_BYTES || text.chars().any(char::is_control) {
-            return Err((
-                format!("a {what} of {} bytes", text.len()),
-                "1 to 64 bytes of printable text",
-            ));
-        }
+        let found = if text.is_empty() || text.len() > NAME_BYTES {
+            format!("a {what} of {} bytes", text.len())
+        } else if text.chars().any(char::is_control) {
+            format!("the {what} {text:?}")
+        } else {
+            continue;
+        };
+        return Err((found, "1 to 64 bytes of printable text"));
     }
     let step_period = Duration::from_nanos(described.step_period_ns);
     if !(PERIOD_MIN..=PERIOD_MAX).contains(&step_period) {
@@ -193,6 +195,24 @@ mod tests {
             let name = format!("{topic:?}").replace("Topic::", "");
             assert_eq!(format!("{:?}", core::Topic::from(topic)), name);
         }
+    }
+
+    #[test]
+    fn a_name_that_cannot_be_printed_is_told_with_what_it_has() {
+        let refused = |name: &str| {
+            let described = wit_mission::Description {
+                name: name.to_owned(),
+                version: "1".to_owned(),
+                step_period_ns: 20_000_000,
+                topics: Vec::new(),
+                grants: Vec::new(),
+            };
+            description(described).err().map(|(found, _)| found)
+        };
+        assert_eq!(refused("a\u{1b}b").as_deref(), Some("the name \"a\\u{1b}b\""));
+        assert_eq!(refused(&"a".repeat(65)).as_deref(), Some("a name of 65 bytes"));
+        assert_eq!(refused("").as_deref(), Some("a name of 0 bytes"));
+        assert_eq!(refused("a b"), None);
     }
 
     #[test]

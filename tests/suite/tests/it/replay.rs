@@ -271,6 +271,26 @@ fn what_cannot_be_replayed_is_refused_in_one_line() {
     );
 }
 
+/// The component that was not written yet is not "large".
+#[test]
+fn a_log_that_was_cut_in_its_header_says_so() {
+    let (mission, log) = flown();
+    let bytes = fs::read(&log).expect("the log can be read");
+    let cut = mission.beside("cut.mcap");
+    let mut said = std::collections::BTreeSet::new();
+    for length in (100..first_chunk(&bytes)).step_by(997) {
+        fs::write(&cut, &bytes[..length]).expect("the log can be written");
+        let line = replay(&cut, &[]).refusal();
+        assert!(
+            line.contains("cut short") || line.contains("nothing to replay"),
+            "{length}: {line}"
+        );
+        said.insert(line);
+    }
+    let of_component = "it was cut short before its components/pilot.wasm was written";
+    assert!(said.iter().any(|line| line.contains(of_component)), "{said:#?}");
+}
+
 /// The place of the first chunk, which has the first messages.
 fn first_chunk(bytes: &[u8]) -> usize {
     let mut at = 8;

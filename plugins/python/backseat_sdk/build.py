@@ -98,7 +98,7 @@ def build(
         except subprocess.TimeoutExpired:
             raise BuildError(
                 f"{folder}: not built within {within_s:g} s: is there a loop without end in {module}.py, outside its functions "
-                "or in describe or snapshot? If the computer is slow, give it more with --within"
+                "or in describe or snapshot? On a slow computer, python -m backseat_sdk.build has --within S"
             ) from None
         finally:
             draft.unlink(missing_ok=True)

@@ -42,6 +42,11 @@ pub(crate) struct Chunks<R> {
     end: End,
     /// How many messages were read, also those of unknown channels.
     count: u64,
+    /// The time of the newest message.
+    newest: Timestamp,
+    /// How much of the file was read, bytes, and where the current record begins.
+    read: u64,
+    record_at: u64,
     /// The current record, kept to reuse its allocation.
     bytes: Vec<u8>,
 }
@@ -70,6 +75,9 @@ impl<R: Read> Chunks<R> {
             waiting: VecDeque::new(),
             end: End::Ahead,
             count: 0,
+            newest: Timestamp::ZERO,
+            read: 0,
+            record_at: 0,
             bytes: Vec::new(),
         };
         if !chunks.fill(MAGIC.len() as u64)? || chunks.bytes != MAGIC {
@@ -91,6 +99,7 @@ impl<R: Read> Chunks<R> {
         self.start_ns = utc.as_unix_nanos();
         for message in &mut self.waiting {
             message.now = Timestamp::from_nanos(message.now.as_nanos().saturating_sub(self.start_ns));
+            self.newest = self.newest.max(message.now);
         }
     }
 
@@ -127,6 +136,7 @@ impl<R: Read> Chunks<R> {
     fn read_on(&mut self) -> Result<(), RecorderError> {
         while self.waiting.is_empty() && self.end == End::Ahead {
             self.bytes.clear();
+            self.record_at = self.read;
             if !self.fill(RECORD_HEAD as u64)? {
                 return self.cut();
             }
@@ -149,7 +159,11 @@ impl<R: Read> Chunks<R> {
         if self.bytes.ends_with(MAGIC) {
             return Err(RecorderError::Damaged {
                 log: self.log.clone(),
-                reason: "a record runs past the end of the file, which was finished".to_owned(),
+                reason: format!(
+                    "the record at byte {} runs past the end of the file, which was finished (after {:.3} s of the run)",
+                    self.record_at,
+                    self.newest.as_secs_f64()
+                ),
             });
         }
         Ok(())
@@ -162,6 +176,7 @@ impl<R: Read> Chunks<R> {
             path: PathBuf::from(&self.log),
             source,
         })?;
+        self.read += read as u64;
         Ok(read as u64 == missing)
     }
 
@@ -210,10 +225,14 @@ impl<R: Read> Chunks<R> {
                 }),
                 Raw::Message { header, data } => {
                     self.count += 1;
+                    let now = Timestamp::from_nanos(header.log_time.saturating_sub(self.start_ns));
+                    if self.start_ns > 0 {
+                        self.newest = self.newest.max(now);
+                    }
                     if let Some(topic) = self.topics.get(&header.channel_id) {
                         self.waiting.push_back(Message {
                             sequence: header.sequence,
-                            now: Timestamp::from_nanos(header.log_time.saturating_sub(self.start_ns)),
+                            now,
                             topic: Arc::clone(topic),
                             data: data.into_owned(),
                         });
@@ -246,7 +265,12 @@ impl<R: Read> Chunks<R> {
         } else {
             RecorderError::Damaged {
                 log,
-                reason: reason(&source),
+                reason: format!(
+                    "{} (in the record at byte {}, after {:.3} s of the run)",
+                    reason(&source),
+                    self.record_at,
+                    self.newest.as_secs_f64()
+                ),
             }
         }
     }

@@ -271,6 +271,26 @@ fn what_cannot_be_replayed_is_refused_in_one_line() {
     );
 }
 
+#[test]
+fn damage_is_told_with_its_place_in_the_file_and_in_the_run() {
+    let (mission, log) = flown();
+    let mut bytes = fs::read(&log).expect("the log can be read");
+    // In the last third are only chunks of messages and the index.
+    let at = bytes.len() * 2 / 3;
+    bytes[at] ^= 1;
+    let damaged = mission.beside("damaged.mcap");
+    fs::write(&damaged, &bytes).expect("the log can be written");
+    let line = replay(&damaged, &[]).refusal();
+    let (_, place) = line.split_once("in the record at byte ").expect("it says where");
+    let (byte, after) = place.split_once(", after ").expect("it says when");
+    let byte: usize = byte.parse().expect("a number");
+    assert!(byte < at && bytes[byte] == CHUNK, "{line}");
+    let seconds = after
+        .split_once(" s of the run")
+        .and_then(|(seconds, _)| seconds.parse::<f64>().ok());
+    assert!(seconds.is_some_and(|seconds| (1.0..300.0).contains(&seconds)), "{line}");
+}
+
 /// The component that was not written yet is not "large".
 #[test]
 fn a_log_that_was_cut_in_its_header_says_so() {

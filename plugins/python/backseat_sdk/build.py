@@ -44,11 +44,11 @@ _sandbox.after_import()
 #: Where componentize-py mounts the author's folder and the SDK's: by their order on its command line. Later ones have the
 #: packages of the Python environment.
 AUTHORS_FOLDER, SDK_FOLDER = 1, 2
-NO_PACKAGES = (
-    "a plugin has Python's standard library and the modules beside it; no other package runs in the sandbox, numpy neither"
-)
+NO_PACKAGES = "a plugin has Python's standard library and the modules beside it; no other package runs in the sandbox, numpy neither"
 #: How long componentize-py may take, seconds; it takes one on an idle computer for each MiB or so.
-WITHIN_S = 600.0
+WITHIN_S = 300.0
+#: After this long it is told that componentize-py still works, seconds.
+TOLD_AFTER_S = 45.0
 #: Runs componentize-py as its own script does.
 SCRIPT = "from componentize_py import script; script()"
 
@@ -84,11 +84,9 @@ def build(
         command = [sys.executable, "-c", SCRIPT, "-q", "-d", str(interface), "-w", WORLD]
         command += ["componentize", "--stub-wasi", *paths, "-o", str(draft), ENTRY]
         try:
-            finished = subprocess.run(
-                command, capture_output=True, text=True, errors="replace", check=False, timeout=within_s
-            )
-            if finished.returncode != 0:
-                said = _printable(finished.stderr)
+            code, said = _ended(command, within_s)
+            if code != 0:
+                said = _printable(said)
                 package = _foreign(said)
                 if package is None and len(_own(said)) > 1:
                     sys.stderr.write(_traceback(said))
@@ -102,6 +100,31 @@ def build(
             ) from None
         finally:
             draft.unlink(missing_ok=True)
+
+
+def _ended(command: list[str], within_s: float) -> tuple[int, str]:
+    """Runs a command. Returns its exit code and what it said on standard error.
+
+    Raises ``subprocess.TimeoutExpired`` if it does not end in time; then it is ended.
+    """
+    with subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace"
+    ) as process:
+        try:
+            try:
+                _, said = process.communicate(timeout=min(TOLD_AFTER_S, within_s))
+            except subprocess.TimeoutExpired:
+                if within_s <= TOLD_AFTER_S:
+                    raise
+                print(
+                    f"backseat_sdk.build: componentize-py still works after {TOLD_AFTER_S:g} s, and may for {within_s:g} s",
+                    file=sys.stderr,
+                )
+                _, said = process.communicate(timeout=within_s - TOLD_AFTER_S)
+        except BaseException:
+            process.kill()
+            raise
+    return process.returncode, said
 
 
 def check_component(path: Path) -> set[str]:
@@ -145,6 +168,12 @@ def _check_sources(folder: Path, module: str) -> None:
         raise BuildError(f"{folder}: no {module}.py; name another module with --module")
     for path in _python_files(folder):
         _parsed(path)
+    for path in sorted(folder.iterdir()):
+        is_module = path.suffix == ".py" or (path / "__init__.py").is_file()
+        if is_module and path.stem in sys.stdlib_module_names:
+            raise BuildError(
+                f"{path}: Python's standard library has a module of this name, which it would replace: rename it"
+            )
     _check_imports(folder, found[0], {found[0]})
 
 
@@ -152,7 +181,8 @@ def _parsed(path: Path) -> ast.Module:
     try:
         return ast.parse(path.read_text(encoding="utf-8"), str(path))
     except SyntaxError as error:
-        raise BuildError(f"{path}:{error.lineno}: {error.msg}") from None
+        line = f":{error.lineno}" if error.lineno else ""
+        raise BuildError(f"{path}{line}: {error.msg}") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise BuildError(f"{path}:{line}: not UTF-8 (byte {error.object[error.start]:#04x})") from None
@@ -185,7 +215,7 @@ def _python_files(folder: Path) -> Iterator[Path]:
             continue
         if path.is_dir():
             yield from _python_files(path)
-        elif path.suffix == ".py":
+        elif path.suffix == ".py" and path.is_file():
             yield path
 
 
@@ -243,6 +273,8 @@ def _why(said: str, package: str | None) -> str:
     if not found or not ends:
         return said.strip().splitlines()[-1] if said.strip() else "componentize-py failed without a word"
     why = ends[0]
+    if why.strip() in ("AssertionError", "AssertionError:"):
+        return f"{where}the program was ended while the module was imported, as sys.exit and os._exit do"
     if why.startswith("ModuleNotFoundError"):
         why += f" ({NO_PACKAGES})"
     return where + why
@@ -258,7 +290,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--module", default="plugin", help="the module with the plugin's class [default: plugin]")
     parser.add_argument("--class", dest="name", help="the plugin's class, if the module has several")
     parser.add_argument(
-        "--within", metavar="S", type=float, default=WITHIN_S, help="how long it may take, seconds [default: 600]"
+        "--within", metavar="S", type=float, default=WITHIN_S, help="how long it may take, seconds [default: 300]"
     )
     parser.add_argument("--wit", metavar="DIR", type=Path, help="the folder with plugin.wit [default: the SDK's own]")
     given = parser.parse_args(arguments)

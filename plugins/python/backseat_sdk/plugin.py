@@ -116,10 +116,13 @@ class Plugin:
 
 
 def check_class(found: type[Plugin]) -> None:
-    """Refuses a class whose ``Config`` or ``State`` is no dataclass.
+    """Refuses a class without ``describe`` or ``step``, or whose ``Config`` or ``State`` is no dataclass.
 
     Raises ``TypeError`` with what to change.
     """
+    for name in ("describe", "step"):
+        if getattr(found, name) is getattr(Plugin, name):
+            raise TypeError(f"{found.__name__} has no method {name}")
     for name in ("Config", "State"):
         kind = getattr(found, name)
         if kind is not None and not (isinstance(kind, type) and is_dataclass(kind)):
@@ -139,4 +142,6 @@ def check_description(described: Description) -> None:
             raise ValueError(f"describe: {what} is {ascii(text)}, expected text without control characters")
     period_ns = described.step_period_ns
     if not PERIOD_MIN_NS <= period_ns <= PERIOD_MAX_NS:
-        raise ValueError(f"describe: step_period_ns is {period_ns}, expected {PERIOD_MIN_NS} to {PERIOD_MAX_NS} (20 ms to 60 s)")
+        raise ValueError(
+            f"describe: step_period_ns is {period_ns}, expected {PERIOD_MIN_NS} to {PERIOD_MAX_NS} (20 ms to 60 s)"
+        )

@@ -1,5 +1,7 @@
 """The builder's checks that need no build."""
 
+import os
+
 import pytest
 from backseat_sdk import build
 from backseat_sdk.component_file import BadComponent, names
@@ -89,7 +91,12 @@ def test_a_source_that_is_no_text_is_refused_in_one_line(tmp_path, capsys):
     (tmp_path / "plugin.py").write_bytes(b"x = 1\ny = '\xff'\n")
     assert "plugin.py:2: not UTF-8 (byte 0xff)" in run(capsys, tmp_path, "--check")
     (tmp_path / "plugin.py").write_bytes(b"x = 1\0\n")
-    assert "plugin.py" in run(capsys, tmp_path, "--check")
+    assert "plugin.py: source code string cannot contain null bytes" in run(capsys, tmp_path, "--check")
+    (tmp_path / "plugin.py").write_text("x = 1\n", encoding="utf-8")
+    os.mkfifo(tmp_path / "pipe.py")
+    assert build.main([str(tmp_path), "--check"]) == 0
+    (tmp_path / "types.py").write_text("x = 1\n", encoding="utf-8")
+    assert "types.py: Python's standard library has a module of this name" in run(capsys, tmp_path, "--check")
 
 
 def test_a_plugin_that_cannot_be_imported_is_told_in_one_line(tmp_path, capsys):
@@ -108,6 +115,10 @@ def test_a_plugin_that_cannot_be_imported_is_told_in_one_line(tmp_path, capsys):
     assert "describe: name is 'a\\x07b', expected text without control characters" in run(capsys, tmp_path, "-o", output)
     plugin.write_text(described.format("'mine'", ", 1"), encoding="utf-8")
     assert "describe: step_period_ns is 1, expected 20000000 to 60000000000" in run(capsys, tmp_path, "-o", output)
+    plugin.write_text(described.format("'mine'", "").replace("def step(", "def stepp("), encoding="utf-8")
+    assert "TypeError: Mine has no method step" in run(capsys, tmp_path, "-o", output)
+    plugin.write_text("import sys\n\nsys.exit(3)\n", encoding="utf-8")
+    assert "the program was ended while the module was imported" in run(capsys, tmp_path, "-o", output)
     # Through several lines of the author's, they come first.
     plugin.write_text("def f():\n    raise ValueError('b')\n\n\nf()\n", encoding="utf-8")
     assert build.main([str(tmp_path), "-o", str(output)]) == 1

@@ -6,7 +6,7 @@ mod map;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use backseat_plugin_loader::read_component;
+use backseat_plugin_loader::{read_component, regular_file};
 use backseat_recorder::LogReader;
 use backseat_replay::{Config, Configs, Flow, Given, Replay as Playback, ReplayError, Report, Task};
 use clap::Args;
@@ -61,7 +61,8 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
     whole(&arguments.log, log.run().part)?;
     // An option that is wrong is no fault of the log.
     let refused = |error: ReplayError| {
-        if error.is_of_an_option() {
+        let of_given = matches!(error, ReplayError::Load(_)) && !arguments.plugins.is_empty();
+        if error.is_of_an_option() || of_given {
             return anyhow::Error::new(error);
         }
         anyhow::Error::new(error).context(format!("log {} cannot be replayed", arguments.log.display()))
@@ -103,9 +104,9 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
             break;
         }
     }
-    for (file, sha256) in flown.iter().filter(|(_, sha256)| !playback.has_used(sha256)) {
+    for (file, sha256) in flown.iter().filter(|(_, sha256)| !playback.names(sha256)) {
         tracing::warn!(
-            "--component {}: the log names no component of its SHA-256, {sha256}, that it does not have",
+            "--component {}: it did not fly in this dive (SHA-256 {sha256})",
             file.display()
         );
     }
@@ -156,7 +157,8 @@ fn given(name: &str, file: &Path) -> Result<Given> {
 }
 
 fn config(name: &str, file: &Path) -> Result<Config> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("--config {name}={}", file.display()))?;
+    let text = regular_file(file).and_then(|_| std::fs::read_to_string(file));
+    let text = text.with_context(|| format!("--config {name}={}", file.display()))?;
     Ok(Config {
         plugin: name.to_owned(),
         file: file.display().to_string(),

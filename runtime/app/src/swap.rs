@@ -4,7 +4,7 @@
 //! that the runtime leaves there.
 
 use std::fs;
-use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -111,7 +111,11 @@ impl<'a> Files<'a> {
     /// Lets nobody else give an order for the plugin, until the file is closed.
     fn lock(&self) -> Result<fs::File> {
         let path = self.file("lock");
-        let file = fs::File::create(&path).map_err(|error| explained(&path, error))?;
+        // A pipe is not waited for.
+        let now = i32::try_from(rustix::fs::OFlags::NONBLOCK.bits()).unwrap_or_default();
+        let mut options = fs::OpenOptions::new();
+        let file = options.write(true).create(true).custom_flags(now).open(&path);
+        let file = file.map_err(|error| explained(&path, error))?;
         match file.try_lock() {
             Ok(()) => Ok(file),
             Err(fs::TryLockError::WouldBlock) => bail!(
@@ -123,12 +127,13 @@ impl<'a> Files<'a> {
     }
 
     /// Removes what commands that were stopped have left.
-    fn clear(&self) -> Result<()> {
+    pub(crate) fn clear(&self) -> Result<()> {
         let prefix = format!("{}.", self.plugin);
         let is_left = |name: &str| {
             let numbered = name.strip_prefix(&prefix).and_then(|rest| rest.split_once('.'));
             numbered.is_some_and(|(number, kind)| {
-                number.bytes().all(|digit| digit.is_ascii_digit()) && matches!(kind, "wasm" | "answer")
+                number.bytes().all(|digit| digit.is_ascii_digit())
+                    && matches!(kind, "wasm" | "answer" | "wasm.new" | "answer.new")
             })
         };
         for entry in fs::read_dir(self.folder).map_err(|error| explained(self.folder, error))? {
@@ -155,7 +160,11 @@ pub(crate) fn place(path: &Path, bytes: &[u8]) -> Result<()> {
     let mut draft = path.as_os_str().to_owned();
     draft.push(".new");
     let written = fs::write(&draft, bytes).and_then(|()| fs::rename(&draft, path));
-    written.map_err(|error| explained(path, error))
+    written.map_err(|error| {
+        // On a full disk a part of it may be there.
+        let _none = fs::remove_file(&draft);
+        explained(path, error)
+    })
 }
 
 /// Whether somebody else than its owner and the administrator can write into a folder.

@@ -1,6 +1,6 @@
 //! The plugins of a replay: which component each one is, compiled and started.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::PathBuf;
 
 use backseat_core::PluginSetup;
@@ -20,6 +20,8 @@ pub(crate) struct Crew {
     pub(crate) members: Vec<Member>,
     /// For core, as in the recorded run.
     pub(crate) setups: Vec<PluginSetup>,
+    /// The SHA-256 of each component that the log has named so far.
+    pub(crate) named: BTreeSet<String>,
 }
 
 impl Crew {
@@ -29,6 +31,7 @@ impl Crew {
             components: Components::new(),
             members: Vec::new(),
             setups: Vec::new(),
+            named: task.flown.iter().map(|flown| flown.sha256.clone()).collect(),
         };
         for (place, flown) in task.flown.iter().enumerate() {
             crew.enlist(task, host, place, flown, given.remove(&flown.name), steps_max)?;
@@ -146,15 +149,17 @@ impl Crew {
         attached: &BTreeMap<String, Vec<u8>>,
         mission: &Mission,
     ) -> Result<(), ReplayError> {
-        let Some(member) = self
-            .members
-            .get_mut(plugin.0)
-            .filter(|member| !member.report.component.other)
-        else {
-            // Another plugin is stepped in its place in this replay.
+        let Some(member) = self.members.get_mut(plugin.0) else {
             return Ok(());
         };
         member.report.swaps += 1;
+        self.named.insert(version.sha256.clone());
+        if member.report.component.other {
+            // Another plugin is stepped in its place in this replay. It hands its state to itself, as the versions did.
+            let ready = self.components.start_one(&member.component, &member.table, mission)?;
+            member.offer(ready, version);
+            return Ok(());
+        }
         if member.lost {
             return Ok(());
         }

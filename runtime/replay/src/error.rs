@@ -106,6 +106,9 @@ pub enum ReplayError {
         /// The setting.
         set: String,
     },
+    /// What `--set` says cannot be used.
+    #[error(transparent)]
+    Set(MissionError),
     /// A config is not TOML.
     #[error("{file}, line {line}: {message}")]
     Config {
@@ -148,6 +151,7 @@ impl ReplayError {
                 | Self::ConfigAndSet { .. }
                 | Self::NotGranted { .. }
                 | Self::Setting { .. }
+                | Self::Set(_)
                 | Self::Config { .. }
                 | Self::Load(LoadError::NotFinite { .. } | LoadError::Host { config_in: Some(_), .. })
         )

@@ -104,10 +104,10 @@ impl Replay {
         &self.mission
     }
 
-    /// Whether the replay has needed this component so far.
+    /// Whether the log has named this component so far, as one that flew.
     #[must_use]
-    pub fn has_used(&self, sha256: &str) -> bool {
-        self.crew.components.has(sha256)
+    pub fn names(&self, sha256: &str) -> bool {
+        self.crew.named.contains(sha256)
     }
 
     /// Takes a component that the log has attached since its start: a version that is about to take a plugin's place.

@@ -98,11 +98,11 @@ impl Task {
         let mut changed = vec![None; mission.file.plugins.len()];
         let mut changed_in = vec![None; mission.file.plugins.len()];
         for one in set {
-            let over = read(std::slice::from_ref(one))?;
+            let over = read(std::slice::from_ref(one)).map_err(ReplayError::Set)?;
             check_config_only(&mission, &over, one)?;
         }
         if !set.is_empty() {
-            let over = read(set)?;
+            let over = read(set).map_err(ReplayError::Set)?;
             for (changed, (now, then)) in changed
                 .iter_mut()
                 .zip(over.file.plugins.into_iter().zip(&mission.file.plugins))

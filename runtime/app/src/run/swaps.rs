@@ -148,7 +148,14 @@ impl Desk {
     fn serve(&self, news: &UnboundedSender<News>, answers: &Receiver<Told>) {
         // What an earlier process has not carried out is not carried out by this one.
         for setup in &self.setups {
-            let _none = fs::remove_file(Files::of(&self.folder, &setup.name).order());
+            let files = Files::of(&self.folder, &setup.name);
+            if fs::remove_file(files.order()).is_ok() {
+                warn!(
+                    "{}: an order to swap that an earlier run has not carried out is dropped",
+                    setup.name
+                );
+            }
+            let _none = files.clear();
         }
         let at_work = Files::at_work(&self.folder);
         let _none = fs::remove_file(&at_work);
@@ -162,6 +169,7 @@ impl Desk {
             while let Ok(Told { plugin, answer }) = answers.try_recv() {
                 self.answer(&self.setups[plugin.0].name, &answer);
             }
+            self.refuse_others();
             for (index, setup) in self.setups.iter().enumerate() {
                 let taken = self.take(&setup.name);
                 let before = ignored[index].take();
@@ -195,6 +203,29 @@ impl Desk {
                         let _none = fs::remove_file(&at_work);
                     }
                 }
+            }
+        }
+    }
+
+    /// Refuses the orders for plugins that the mission does not have: whoever gave them has named another mission.
+    fn refuse_others(&self) {
+        let names: Vec<&str> = self.setups.iter().map(|setup| setup.name.as_str()).collect();
+        for entry in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
+            let file = entry.file_name();
+            let Some(plugin) = file.to_str().and_then(|name| name.strip_suffix(".order")) else {
+                continue;
+            };
+            if names.contains(&plugin) {
+                continue;
+            }
+            if let Ok(Some(Order { number, .. })) = self.take(plugin) {
+                let _none = fs::remove_file(Files::of(&self.folder, plugin).component(number));
+                let mission = &self.mission.name;
+                let names = names.join(", ");
+                let text = format!("{plugin}: not swapped: the runtime flies {mission}, whose plugins are: {names}");
+                warn!("{text}");
+                let swapped = false;
+                self.answer(plugin, &Answer { number, swapped, text });
             }
         }
     }

@@ -498,6 +498,7 @@ fn a_pipe_is_no_component_and_no_log() {
         &["log", "report", path],
         &["replay", log.to_str().unwrap(), "--plugin", &of_pilot],
         &["replay", log.to_str().unwrap(), "--component", path],
+        &["replay", log.to_str().unwrap(), "--config", &of_pilot],
         &["swap", of_mission, &of_pilot, "--sha256", "0123456789ab"],
         &[
             "run",

@@ -236,6 +236,20 @@ fn what_cannot_be_replayed_is_refused_in_one_line() {
         refused(&log, &[of_file, both].concat()),
         &["--config pilot: --set also changes the config of pilot"],
     );
+    for set in [
+        "plugin.pilot.config.heading_deg=\"east\"",
+        "plugin.nobody.config.heading_deg=1",
+    ] {
+        let line = refused(&log, &["--set", set]);
+        assert!(!line.contains("cannot be replayed"), "{line}");
+    }
+    let empty = mission.beside("empty.wasm");
+    fs::write(&empty, "").expect("the folder can be written");
+    let line = refused(&log, &["--plugin", &format!("pilot={}", empty.display())]);
+    assert!(
+        line.contains("empty.wasm") && !line.contains("cannot be replayed"),
+        "{line}"
+    );
     let coverage = plugins().join("coverage.wasm");
     says(
         refused(&log, &["--plugin", &format!("pilot={}", coverage.display())]),

@@ -24,6 +24,11 @@ fn mission(heading_deg: f64) -> Mission {
     mission.append("mission.toml", "speed_mps = 1.5\n")
 }
 
+/// The same with another name of the plugin.
+fn mission_of(plugin: &str) -> Mission {
+    mission(180.0).edit("mission.toml", "name = \"pilot\"", &format!("name = \"{plugin}\""))
+}
+
 /// The template once more: the same code, another component.
 fn second(mission: &Mission, name: &str) -> PathBuf {
     let mut bytes = fs::read(backseat_test_support::plugins().join("template.wasm")).expect("it is there");
@@ -146,6 +151,20 @@ fn versions_take_over_in_the_middle_of_a_lease_and_the_dive_is_replayed() {
         [Some(2), Some(0), Some(0)],
         "{report}"
     );
+    // A version that does the same, in the place of all of them, hands its state to itself where they did.
+    let again = Backseat::new()
+        .args(["replay", "--json", "--plugin"])
+        .arg(format!("pilot={}", second(&mission, "third.wasm").display()))
+        .arg(&path)
+        .run()
+        .exit(0)
+        .json();
+    let counts = |key: &str| again["plugins"][0][key].as_u64();
+    assert_eq!(
+        ["swaps", "restarts", "different"].map(counts),
+        [Some(2), Some(0), Some(0)],
+        "{again}"
+    );
     let passed = format!(
         "pilot: version 0.1.0 ({}) has passed its trial of 2 steps",
         &hash(&next)[..12]
@@ -203,9 +222,17 @@ fn a_dive_with_a_swap_to_a_large_component_is_replayed_and_the_component_is_give
         .run()
         .exit(0);
     assert!(
-        other.stderr.contains("fickle.wasm: the log names no component"),
+        other.stderr.contains("fickle.wasm: it did not fly in this dive"),
         "{other}"
     );
+    let template = backseat_test_support::plugins().join("template.wasm");
+    let flew = Backseat::new()
+        .args(["replay", "--component"])
+        .arg(template)
+        .arg(&path)
+        .run()
+        .exit(2);
+    assert!(!flew.stderr.contains("did not fly"), "{flew}");
 }
 
 #[test]
@@ -324,6 +351,36 @@ fn a_swap_that_cannot_be_done_says_why_and_changes_nothing() {
         assert!(refused.stdout.contains(why), "{why}: {refused}");
         run.says("not swapped", SOON);
     }
+    // The mission of another run, and a disk without room for the component.
+    let other = mission_of("other");
+    let refused = Backseat::new()
+        .arg("swap")
+        .mission(&other)
+        .arg(format!("other={}", good.display()))
+        .args(["--sha256", &hash(&good), "--state"])
+        .arg(mission.beside("state"))
+        .run()
+        .exit(1);
+    assert!(
+        refused.stdout.contains("other: not swapped: the runtime flies ") && refused.stdout.contains("are: pilot"),
+        "{refused}"
+    );
+    run.says("other: not swapped: the runtime flies ", SOON);
+    let full = Backseat::new()
+        .arg("swap")
+        .mission(&mission)
+        .arg(format!("pilot={}", good.display()))
+        .args(["--sha256", &hash(&good), "--state"])
+        .arg(mission.beside("state"))
+        .file_max_kib(16)
+        .run();
+    assert_eq!(full.code, Some(2), "{full}");
+    let left: Vec<_> = fs::read_dir(mission.beside("state/swap"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| !name.ends_with(".lock"))
+        .collect();
+    assert!(left.is_empty(), "{left:?}");
     // A folder into which others can write.
     let folder = mission.beside("state/swap");
     fs::set_permissions(&folder, fs::Permissions::from_mode(0o777)).unwrap();
@@ -438,6 +495,19 @@ fn an_order_waits_while_the_runtime_is_at_work_on_another_and_a_command_that_was
     assert_eq!(waits.wait(SOON), Some(2));
     let told = waits.stderr();
     assert!(told.contains("the runtime has ended, and has not answered"), "{told}");
+    // The next run does not carry it out, and says so.
+    let run = runtime(&mission, &vehicle.address, &["--arm"]);
+    run.says(
+        "pilot: an order to swap that an earlier run has not carried out is dropped",
+        SOON,
+    );
+    let folder = mission.beside("state/swap");
+    let left = || fs::read_dir(&folder).unwrap().count();
+    eventually(
+        SOON,
+        || (left() == 1).then_some(()),
+        || format!("{} files are left", left()),
+    );
 }
 
 #[test]

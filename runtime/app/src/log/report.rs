@@ -546,7 +546,17 @@ impl Collect<'_> {
                 }
             }
             "plugin-failed" | "plugin-not-swapped" | "recovery" | "navigation" | "late" | "link-down" => {
-                let text = line();
+                let text = match (note["note"].as_str(), note["plugin"].as_u64()) {
+                    // Its text is the reason alone.
+                    (Some("plugin-not-swapped"), Some(plugin)) => {
+                        format!(
+                            "{}: not swapped, the version before goes on: {}",
+                            self.name(plugin),
+                            line()
+                        )
+                    }
+                    _ => line(),
+                };
                 let came_to = match note["note"].as_str() {
                     Some("plugin-failed") if note["fault"]["kind"] == "trial" => {
                         Some("did not pass its trial, and the version before is back")

@@ -409,7 +409,8 @@ fn a_swap_that_cannot_be_done_says_why_and_changes_nothing() {
     }
     let told = log_told("report", &path);
     assert!(
-        told.contains("could not take over, and the version before goes on"),
+        told.contains("could not take over, and the version before goes on")
+            && told.contains(" s: pilot: not swapped, the version before goes on: restore: "),
         "{told}"
     );
 }

@@ -44,10 +44,12 @@ _sandbox.after_import()
 #: Where componentize-py mounts the author's folder and the SDK's: by their order on its command line. Later ones have the
 #: packages of the Python environment.
 AUTHORS_FOLDER, SDK_FOLDER = 1, 2
-NO_PACKAGES = "a plugin has Python's standard library and the modules beside it; no other package runs in the sandbox, numpy neither"
-#: How long componentize-py may take, seconds; it takes one on an idle computer for each MiB or so.
+NO_PACKAGES = (
+    "a plugin has Python's standard library and the modules beside it; no other package runs in the sandbox, numpy neither"
+)
+#: How long componentize-py may take, seconds. On an idle computer it takes about ten.
 WITHIN_S = 300.0
-#: After this long it is told that componentize-py still works, seconds.
+#: After this long the author is told that componentize-py still works, seconds.
 TOLD_AFTER_S = 45.0
 #: Runs componentize-py as its own script does.
 SCRIPT = "from componentize_py import script; script()"

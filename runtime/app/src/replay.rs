@@ -61,8 +61,7 @@ pub(crate) fn replay(arguments: &Replay) -> Result<bool> {
     whole(&arguments.log, log.run().part)?;
     // An option that is wrong is no fault of the log.
     let refused = |error: ReplayError| {
-        let of_given = matches!(error, ReplayError::Load(_)) && !arguments.plugins.is_empty();
-        if error.is_of_an_option() || of_given {
+        if error.is_of_an_option() {
             return anyhow::Error::new(error);
         }
         anyhow::Error::new(error).context(format!("log {} cannot be replayed", arguments.log.display()))

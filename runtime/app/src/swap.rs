@@ -42,7 +42,8 @@ pub(crate) struct Swap {
     /// The plugin's name in the mission, and the component that takes its place
     #[arg(value_name = "NAME=FILE.wasm", value_parser = named_file)]
     plugin: (String, PathBuf),
-    /// The SHA-256 of FILE, or its first 12 digits or more: the operator's word that it is the right one
+    /// The SHA-256 of FILE, or its first 12 digits or more: the operator's word that it is the right one. Without it, the
+    /// command names the hash and swaps nothing
     #[arg(long, value_name = "HASH")]
     sha256: Option<String>,
     /// Go back to the version before if this one fails, or is refused something for what it asks for, in its first N steps;

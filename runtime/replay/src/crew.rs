@@ -54,7 +54,8 @@ impl Crew {
         let given = given.map(|given| (hash(&given.bytes), given));
         let (component, file) = match &given {
             Some((sha256, given)) => {
-                self.compile(host, sha256, &flown.name, PathBuf::from(&given.file), &given.bytes)?;
+                self.compile(host, sha256, &flown.name, PathBuf::from(&given.file), &given.bytes)
+                    .map_err(ReplayError::Given)?;
                 (sha256.clone(), Some(given.file.clone()))
             }
             None => {
@@ -132,7 +133,7 @@ impl Crew {
         plugin: &str,
         path: PathBuf,
         bytes: &[u8],
-    ) -> Result<(), ReplayError> {
+    ) -> Result<(), LoadError> {
         if !self.components.has(sha256) {
             self.components.insert_file(host, sha256, plugin, path, bytes)?;
         }
@@ -214,7 +215,8 @@ fn explained(error: LoadError, plugin: &str, file: Option<&str>, changed_in: Opt
         };
     }
     match changed_in {
-        Some(place) => error.with_config_in(place.clone()).into(),
+        Some(place) => ReplayError::Given(error.with_config_in(place.clone())),
+        None if file.is_some() => ReplayError::Given(error),
         None => error.into(),
     }
 }

@@ -119,9 +119,12 @@ pub enum ReplayError {
         /// What is wrong.
         message: String,
     },
-    /// A component cannot be used.
+    /// A component of the log cannot be used.
     #[error(transparent)]
     Load(#[from] LoadError),
+    /// A component or a config that was given cannot be used.
+    #[error(transparent)]
+    Given(LoadError),
     /// A message cannot be read.
     #[error("message {message} of {channel} is invalid: {source}")]
     Message {
@@ -153,7 +156,7 @@ impl ReplayError {
                 | Self::Setting { .. }
                 | Self::Set(_)
                 | Self::Config { .. }
-                | Self::Load(LoadError::NotFinite { .. } | LoadError::Host { config_in: Some(_), .. })
+                | Self::Given(_)
         )
     }
 }
